@@ -1,0 +1,40 @@
+# make setup | bench | test | check | wheel-check
+PYTHON ?= python3.11
+BIN := .venv/bin
+STAMP := .venv/.installed
+WORKERS ?= 2
+
+.PHONY: setup bench test check wheel-check hand clean
+
+setup: $(STAMP)
+
+$(STAMP): pyproject.toml constraints.txt
+	$(PYTHON) -m venv .venv
+	PIP_CONSTRAINT=constraints.txt $(BIN)/pip install --quiet --disable-pip-version-check -e '.[dev]'
+	touch $@
+
+# material sheet -> finite elements -> calibration -> hand -> gas and valves -> grasps -> table
+bench: $(STAMP)
+	$(BIN)/python scripts/calibrate.py --density coarse --out out/bench/finger.json --json out/bench/calibrate.json
+	$(BIN)/python scripts/grasp_benchmark.py --calibration out/bench/finger.json --objects all --trials 4 \
+	  --seed 0 --workers $(WORKERS) --json out/bench/grasps.json --pictures out/bench
+
+test: $(STAMP)
+	$(BIN)/pytest
+
+check: $(STAMP)
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+# the wheel, in an empty environment outside the checkout
+wheel-check: $(STAMP)
+	bash .ci/wheel_check
+
+# assets/hand/*.xml from the shipped calibration
+hand: $(STAMP)
+	$(BIN)/python scripts/build_hand.py
+
+clean:
+	rm -rf .venv out build dist

@@ -1,0 +1,1 @@
+"""Offline finite-element lab: material sheet and geometry in, finger calibration out."""

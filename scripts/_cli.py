@@ -1,0 +1,80 @@
+"""What every script does alike: one-line errors, a JSON file that is either whole or absent."""
+
+import argparse
+import json
+import math
+import os
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+BAD_INPUT = 2
+
+
+def positive_float(text: str) -> float:
+    """Parse a finite number above zero (argparse type)."""
+    value = float(text)
+    if not (math.isfinite(value) and value > 0.0):
+        raise argparse.ArgumentTypeError(f"{text} must be a finite number above 0")
+    return value
+
+
+def non_negative_float(text: str) -> float:
+    """Parse a finite number, zero or above (argparse type)."""
+    value = float(text)
+    if not (math.isfinite(value) and value >= 0.0):
+        raise argparse.ArgumentTypeError(f"{text} must be a finite number of 0 or above")
+    return value
+
+
+def positive_int(text: str) -> int:
+    """Parse a whole number of 1 or above (argparse type)."""
+    value = int(text)
+    if value < 1:
+        raise argparse.ArgumentTypeError(f"{text} must be a whole number of 1 or above")
+    return value
+
+
+def non_negative_int(text: str) -> int:
+    """Parse a whole number of 0 or above (argparse type)."""
+    value = int(text)
+    if value < 0:
+        raise argparse.ArgumentTypeError(f"{text} must be a whole number of 0 or above")
+    return value
+
+
+def check_writable(path: Path | None) -> None:
+    """Make sure before the work that its result can be written (creates the folder).
+
+    Raises
+    ------
+    ValueError
+        If `path` is a folder or its folder cannot be written.
+    """
+    if path is None:
+        return
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ValueError(f"--json {path}: folder cannot be made ({error.strerror})") from None
+    if path.is_dir() or not os.access(path.parent, os.W_OK):
+        raise ValueError(f"--json {path}: not a writable file")
+
+
+def write_json(path: Path, data: dict[str, Any]) -> None:
+    """Write `data` in one piece: a reader sees the whole file or none."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
+    partial.write_text(json.dumps(data, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+    partial.replace(path)
+
+
+def run(job: Callable[[Sequence[str] | None], int], argv: Sequence[str] | None = None) -> int:
+    """Call a script's job and turn bad input into one line on stderr and exit status 2."""
+    try:
+        return job(argv)
+    except (ValueError, FileNotFoundError) as error:
+        text = " ".join(str(error).split())
+        print(f"error: {text}", file=sys.stderr)
+        return BAD_INPUT

@@ -1,0 +1,1 @@
+"""Runtime of softhand-sim: calibration, hand, pneumatics, control, objects, grasp trials."""
