@@ -7,9 +7,23 @@ import os
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 BAD_INPUT = 2
+
+
+class Parser(argparse.ArgumentParser):
+    """Command line with examples kept as written, and one line on a wrong call."""
+
+    def __init__(self, *, description: str | None, examples: str) -> None:
+        super().__init__(
+            description=description, epilog=examples, formatter_class=argparse.RawDescriptionHelpFormatter
+        )
+
+    def error(self, message: str) -> NoReturn:
+        """Say what is wrong in one line and exit with status 2."""
+        print(f"error: {message}", file=sys.stderr)
+        raise SystemExit(BAD_INPUT)
 
 
 def positive_float(text: str) -> float:

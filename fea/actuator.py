@@ -1,0 +1,161 @@
+"""Analysis (i): the actuator alone, base fixed, 44 bonded rings, pressure on the chamber walls."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from fea.arrays import F64
+from fea.assembly import Load, SolidModel
+from fea.cavity import Cavity
+from fea.geometry import FingerGeometry
+from fea.lattice import VOID, Lattice, SolidMesh, build_mesh, free_faces, split, symmetry_nodes
+from fea.materials import Material
+from fea.newton import NewtonOptions, Status, follow
+
+SILICONE, RING = 0, 1
+
+
+@dataclass(frozen=True, kw_only=True)
+class ActuatorMesh:
+    """Cells of the actuator's lattice: angle, inner layer, each gap between rings, cap, chamber radius."""
+
+    theta_cells: int = 4
+    inner_cells: int = 2
+    gap_cells: int = 2
+    cap_cells: int = 2
+    core_cells: int = 2
+
+    def __post_init__(self) -> None:
+        for name in ("theta_cells", "inner_cells", "gap_cells", "cap_cells", "core_cells"):
+            if getattr(self, name) < 1:
+                raise ValueError(f"{name} = {getattr(self, name)} must be at least 1")
+        if self.theta_cells < 3:
+            raise ValueError(f"theta_cells = {self.theta_cells} must be at least 3")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ActuatorResult:
+    """Arrays over the pressures that converged, starting with the unloaded state.
+
+    ``elongation`` is a ratio to the actuator's length, ``radial_growth_m`` the mean of the outer surface at mid-length
+    over two pitches, ``max_stretch`` the largest principal stretch of the silicone, ``volume_m3`` the whole chamber's.
+    """
+
+    pressure_pa_gauge: F64
+    elongation: F64
+    lengthening_m: F64
+    volume_m3: F64
+    radial_growth_m: F64
+    max_stretch: F64
+    status: Status
+    iterations: int
+    dofs: int
+    elements: int
+
+
+def actuator_lattice(geometry: FingerGeometry, mesh: ActuatorMesh, *, rings: bool = True) -> Lattice:
+    """Lattice of the actuator; with ``rings=False`` the ring cells are silicone."""
+    g = geometry
+    half = 0.5 * g.ring_height_m
+    r = split(
+        [0.0, g.actuator_inner_radius_m, g.ring_radius_m - half, g.ring_radius_m + half, g.actuator_outer_radius_m],
+        [mesh.core_cells, mesh.inner_cells, 1, 1],
+    )
+    gap = g.ring_pitch_m - g.ring_width_m
+    edges, cells, ring_layers = [0.0], [], []
+    for k in range(g.ring_count):
+        start = (k + 0.5) * g.ring_pitch_m - 0.5 * g.ring_width_m
+        edges += [start, start + g.ring_width_m]
+        cells += [mesh.gap_cells if k else max(1, mesh.gap_cells // 2), 1]
+        ring_layers.append(sum(cells) - 1)
+    edges += [g.chamber_length_m, g.actuator_length_m]
+    cells += [max(1, mesh.gap_cells // 2), mesh.cap_cells]
+    if gap <= 0.0:
+        raise ValueError(f"ring_width_m = {g.ring_width_m} must be below the pitch {g.ring_pitch_m}")
+    material = np.full((len(r) - 1, mesh.theta_cells, sum(cells)), SILICONE, dtype=np.int64)
+    material[: mesh.core_cells, :, : sum(cells[:-1])] = VOID
+    if rings:
+        material[mesh.core_cells + mesh.inner_cells, :, ring_layers] = RING
+    return Lattice(
+        r_m=r, theta_rad=np.linspace(0.0, np.pi, mesh.theta_cells + 1), z_m=split(edges, cells), material=material
+    )
+
+
+def actuator_model(
+    geometry: FingerGeometry, silicone: Material, pet: Material, mesh: ActuatorMesh, *, rings: bool = True
+) -> SolidModel:
+    """Build the half model: base z = 0 fixed, symmetry, chamber walls as the cavity."""
+    solid = build_mesh(actuator_lattice(geometry, mesh, rings=rings))
+    fixed = np.zeros((len(solid.points_m), 3), dtype=bool)
+    fixed[symmetry_nodes(solid), 1] = True
+    fixed[solid.cylindrical[:, 2] == 0.0] = True
+    radius, end = geometry.actuator_inner_radius_m, geometry.chamber_length_m
+
+    def on_chamber(c: F64) -> np.ndarray:
+        wall = np.isclose(c[..., 0], radius) & (c[..., 2] <= end + 1e-9)
+        cap = np.isclose(c[..., 2], end) & (c[..., 0] <= radius + 1e-9)
+        # a face belongs to the wall or to the cap as a whole; a mixed face has an edge in common with both
+        return wall | cap
+
+    cavity = Cavity(free_faces(solid, on_chamber), len(solid.points_m))
+    laws = {SILICONE: silicone.law} | ({RING: pet.law} if rings else {})
+    return SolidModel(mesh=solid, laws=dict(laws), fixed=fixed, cavity=cavity)
+
+
+def analyse_actuator(
+    model: SolidModel,
+    geometry: FingerGeometry,
+    pressures_pa_gauge: list[float],
+    *,
+    options: NewtonOptions | None = None,
+    progress: Callable[[], None] = lambda: None,
+) -> ActuatorResult:
+    """Inflate through increasing gauge pressures; ends early, with the status, where equilibrium is lost."""
+    if not pressures_pa_gauge or np.any(np.diff([0.0, *pressures_pa_gauge]) <= 0.0):
+        raise ValueError(f"pressures_pa_gauge = {pressures_pa_gauge} must be positive and increasing")
+    solid, cavity = model.mesh, model.cavity
+    if cavity is None:
+        raise ValueError("model: an actuator needs its cavity")
+    zero = np.zeros_like(solid.points_m)
+    rows = [_measure(model, geometry, 0.0, zero)]
+
+    def record(pressure: float, u_m: F64) -> None:
+        rows.append(_measure(model, geometry, pressure, u_m))
+        progress()
+
+    outcome = follow(
+        model,
+        lambda p: Load(pressure_pa_gauge=p),
+        pressures_pa_gauge,
+        options or NewtonOptions(),
+        on_target=record,
+        extrapolate=True,
+    )
+    pressure, lengthening, volume, growth, stretch = np.array(rows).T
+    return ActuatorResult(
+        pressure_pa_gauge=pressure,
+        elongation=lengthening / geometry.actuator_length_m,
+        lengthening_m=lengthening,
+        volume_m3=volume,
+        radial_growth_m=growth,
+        max_stretch=stretch,
+        status=outcome.status,
+        iterations=outcome.iterations,
+        dofs=len(model.free),
+        elements=len(solid.elements),
+    )
+
+
+def _measure(model: SolidModel, geometry: FingerGeometry, pressure: float, u_m: F64) -> list[float]:
+    solid: SolidMesh = model.mesh
+    r, _, z = solid.cylindrical.T
+    top = np.isclose(z, geometry.actuator_length_m)
+    middle = 0.5 * geometry.chamber_length_m
+    ring = np.isclose(r, geometry.actuator_outer_radius_m) & (np.abs(z - middle) <= geometry.ring_pitch_m)
+    x = solid.points_m[ring] + u_m[ring]
+    growth = np.hypot(x[:, 0], x[:, 1]) - r[ring]
+    assert model.cavity is not None
+    volume = 2.0 * model.cavity.volume_m3(solid.points_m + u_m)
+    stretch = model.max_stretch(u_m, SILICONE)
+    return [pressure, float(u_m[top, 2].mean()), volume, float(growth.mean()), stretch]

@@ -1,0 +1,263 @@
+"""Finite-strain assembly: residual and tangent of 10-node tetrahedra with batched matrix products.
+
+Potential: Pi(u) = sum over elements of [ integral W(F) + V kappa/2 (mean(det F) - 1)^2 ] - p V_cavity(u) - f . u.
+The volumetric energy acts on each element's mean dilatation (P2 displacement, P0 pressure), which does not lock. Every
+term derives from a potential, so the tangent is symmetric and only its upper triangle is kept.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+from skfem import Basis, ElementTetP2
+
+from fea.arrays import F64, I64
+from fea.cavity import Cavity
+from fea.lattice import SolidMesh
+from fea.laws import Law
+
+_CHUNK = 1024  # elements per batch: keeps the batches in the processor's cache
+_ROW, _COLUMN = np.triu_indices(30)  # upper triangle of an element matrix in (node, component) numbering
+
+
+@dataclass(frozen=True, kw_only=True)
+class Load:
+    """External load: cavity pressure and dead nodal forces.
+
+    Attributes
+    ----------
+    pressure_pa_gauge : float
+        Gauge pressure in the cavity.
+    force_n : array [n_nodes, 3] or None
+        Dead nodal forces on the half model.
+    """
+
+    pressure_pa_gauge: float = 0.0
+    force_n: F64 | None = None
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Evaluation:
+    """Out-of-balance force and tangent at a displacement.
+
+    Attributes
+    ----------
+    internal_n, external_n : arrays [n_free]
+        Internal force and load at the free degrees of freedom; equilibrium where they agree.
+    tangent : csr_array [n_free, n_free] or None
+        Upper triangle of the tangent; None when only forces were asked for.
+    """
+
+    internal_n: F64
+    external_n: F64
+    tangent: sp.csr_array | None
+
+
+class SolidModel:
+    """A mesh with laws, supports and one cavity, ready to be evaluated at displacements u [n_nodes, 3].
+
+    Parameters
+    ----------
+    mesh : SolidMesh
+    laws : mapping of material index to law
+    fixed : boolean array [n_nodes, 3]
+        Degrees of freedom whose displacement is prescribed.
+    cavity : Cavity, optional
+        Pressurised surface.
+    quadrature_order : int
+        Order of the rule in the elements (2: four points, the usual one of the 10-node tetrahedron).
+    """
+
+    def __init__(
+        self,
+        *,
+        mesh: SolidMesh,
+        laws: dict[int, Law],
+        fixed: np.ndarray,
+        cavity: Cavity | None = None,
+        quadrature_order: int = 2,
+    ) -> None:
+        missing = set(np.unique(mesh.material)) - set(laws)
+        if missing:
+            raise ValueError(f"laws: no law for material index {sorted(int(m) for m in missing)}")
+        self.mesh = mesh
+        self.laws = laws
+        self.cavity = cavity
+        self.gradients, self.weights = element_gradients(mesh, quadrature_order)
+        self.free: I64 = np.flatnonzero(~fixed.ravel())
+        number = np.full(fixed.size, -1, dtype=np.int64)
+        number[self.free] = np.arange(len(self.free))
+        self._build_pattern(number)
+
+    def evaluate(self, u_m: F64, load: Load, *, tangent: bool = True) -> Evaluation | None:
+        """Return forces and tangent at u [n_nodes, 3], or None if an element is inverted (det F <= 0)."""
+        internal = np.zeros((len(self.mesh.points_m), 3))
+        parts: list[tuple[I64, F64]] = []
+        for index, law in self.laws.items():
+            members = np.flatnonzero(self.mesh.material == index)
+            for start in range(0, len(members), _CHUNK):
+                chunk = members[start : start + _CHUNK]
+                nodes = self.mesh.elements[chunk]
+                result = element_forces(law, u_m[nodes], self.gradients[chunk], self.weights[chunk])
+                if result is None:
+                    return None
+                force, stiffness = result
+                np.add.at(internal, nodes, force)
+                parts.append((chunk, stiffness))
+        external = np.zeros_like(internal) if load.force_n is None else load.force_n.copy()
+        cavity_matrix: F64 | None = None
+        if self.cavity is not None:
+            gradient, hessian = self.cavity.derivatives(self.mesh.points_m + u_m)
+            external += load.pressure_pa_gauge * gradient
+            cavity_matrix = -load.pressure_pa_gauge * hessian
+        matrix = self._scatter(parts, cavity_matrix) if tangent else None
+        return Evaluation(
+            internal_n=internal.ravel()[self.free], external_n=external.ravel()[self.free], tangent=matrix
+        )
+
+    def energy(self, u_m: F64, load: Load) -> float:
+        """Return the total potential of the half model [J] (used to verify forces)."""
+        total = 0.0
+        for index, law in self.laws.items():
+            members = np.flatnonzero(self.mesh.material == index)
+            F = deformation(u_m[self.mesh.elements[members]], self.gradients[members])
+            weights = self.weights[members]
+            total += float((law.energy(F) * weights).sum())
+            volume = weights.sum(axis=1)
+            mean = (np.linalg.det(F) * weights).sum(axis=1) / volume
+            total += 0.5 * law.bulk_modulus_pa * float((volume * (mean - 1.0) ** 2).sum())
+        if load.force_n is not None:
+            total -= float((load.force_n * u_m).sum())
+        if self.cavity is not None:
+            total -= load.pressure_pa_gauge * self.cavity.volume_m3(self.mesh.points_m + u_m)
+        return total
+
+    def max_stretch(self, u_m: F64, material: int) -> float:
+        """Return the largest principal stretch at the integration points of one material."""
+        members = np.flatnonzero(self.mesh.material == material)
+        F = deformation(u_m[self.mesh.elements[members]], self.gradients[members])
+        return float(np.linalg.svd(F, compute_uv=False).max())
+
+    def gravity_force(self, density_kg_m3: dict[int, float], acceleration_m_s2: F64) -> F64:
+        """Return consistent nodal forces [n_nodes, 3] of a uniform acceleration."""
+        shape = element_shapes(self.weights.shape[1])
+        force = np.zeros((len(self.mesh.points_m), 3))
+        density = np.array([density_kg_m3[int(m)] for m in self.mesh.material])
+        lumped = np.einsum("e,eq,qa->ea", density, self.weights, shape)
+        np.add.at(force, self.mesh.elements, lumped[:, :, None] * acceleration_m_s2)
+        return force
+
+    def _build_pattern(self, number: I64) -> None:
+        """Number the entries of the upper triangle once: element entries first, then those of cavity faces."""
+        dofs = number[(3 * self.mesh.elements[:, :, None] + np.arange(3)).reshape(-1, 30)]
+        rows, columns = [dofs[:, _ROW].ravel()], [dofs[:, _COLUMN].ravel()]
+        if self.cavity is not None:
+            face = number[(3 * self.cavity.faces[:, :, None] + np.arange(3)).reshape(-1, 18)]
+            r, c = np.triu_indices(18)
+            rows.append(face[:, r].ravel())
+            columns.append(face[:, c].ravel())
+        row, column = np.concatenate(rows), np.concatenate(columns)
+        low, high = np.minimum(row, column), np.maximum(row, column)
+        size = len(self.free)
+        keys = np.where(low >= 0, low * size + high, np.int64(size) * size)
+        unique, inverse = np.unique(keys, return_inverse=True)
+        if unique[-1] == np.int64(size) * size:
+            unique = unique[:-1]
+        self._slots = inverse  # the last slot swallows entries of fixed degrees of freedom
+        self._n_entries = len(unique)
+        pointer = np.searchsorted(unique, np.arange(size + 1) * np.int64(size))
+        self._structure = (unique % size, pointer)
+
+    def _scatter(self, parts: list[tuple[I64, F64]], cavity_matrix: F64 | None) -> sp.csr_array:
+        values = np.empty(len(self._slots))
+        n = len(self.mesh.elements)
+        by_element = values[: n * len(_ROW)].reshape(n, len(_ROW))
+        for chunk, stiffness in parts:
+            by_element[chunk] = stiffness
+        if cavity_matrix is not None:
+            r, c = np.triu_indices(18)
+            values[n * len(_ROW) :] = cavity_matrix[:, r, c].ravel()
+        data = np.bincount(self._slots, weights=values, minlength=self._n_entries)[: self._n_entries]
+        size = len(self.free)
+        return sp.csr_array((data, *self._structure), shape=(size, size))
+
+
+def element_gradients(mesh: SolidMesh, order: int) -> tuple[F64, F64]:
+    """Return shape-function gradients [n_elements, n_points, 10, 3] and weights [n_elements, n_points] [m^3].
+
+    Raises
+    ------
+    ValueError
+        If an undeformed element is inverted.
+    """
+    basis = Basis(mesh.skfem_mesh, ElementTetP2(), intorder=order)
+    gradients = np.stack([np.moveaxis(np.asarray(f[0].grad), 0, -1) for f in basis.basis], axis=2)
+    jacobian = np.linalg.det(np.asarray(basis.mapping.DF(basis.X)).transpose(2, 3, 0, 1))
+    if not (np.abs(np.sign(jacobian).sum(axis=1)) == jacobian.shape[1]).all():
+        raise ValueError("mesh: an undeformed element is inverted")
+    return np.ascontiguousarray(gradients), np.asarray(basis.dx)
+
+
+def element_shapes(n_points: int) -> F64:
+    """Return shape functions [n_points, 10] at the integration points of the four-point rule."""
+    from skfem.quadrature import get_quadrature  # noqa: PLC0415
+
+    points, _ = get_quadrature(ElementTetP2, 2)
+    if points.shape[1] != n_points:
+        raise ValueError(f"n_points = {n_points}; only the rule of order 2 ({points.shape[1]} points) is supported")
+    element = ElementTetP2()
+    return np.stack([element.lbasis(points, a)[0] for a in range(10)], axis=1)
+
+
+def deformation(u_m: F64, gradients: F64) -> F64:
+    """Return F = I + du/dX [n, n_points, 3, 3] of element displacements [n, 10, 3]."""
+    F = np.swapaxes(u_m, -1, -2)[:, None] @ gradients
+    F[..., np.arange(3), np.arange(3)] += 1.0
+    return np.asarray(F)
+
+
+def element_forces(law: Law, u_m: F64, gradients: F64, weights: F64) -> tuple[F64, F64] | None:
+    """Return forces [n, 10, 3] and the stiffness' upper triangles [n, 465], or None where det F <= 0.
+
+    With g = dJ/dF (cofactor), the mean dilatation adds kappa (J - 1) (g, d2J/dF2) pointwise and the rank-one term
+    kappa / V (integral g)(integral g) per element.
+    """
+    n, points = weights.shape
+    F = deformation(u_m, gradients)
+    J = np.linalg.det(F)
+    if not (J > 0.0).all():
+        return None
+    P, A = law.stress_and_tangent(F)
+    kappa = law.bulk_modulus_pa
+    weighted = gradients * weights[..., None, None]
+    rank_one: F64 | None = None
+    if kappa > 0.0:
+        cofactor = J[..., None, None] * np.swapaxes(np.linalg.inv(F), -1, -2)
+        volume = weights.sum(axis=1)
+        pressure = kappa * ((J * weights).sum(axis=1) / volume - 1.0)
+        P = P + pressure[:, None, None, None] * cofactor
+        A = A + pressure[:, None, None, None, None, None] * _cofactor_derivative(F)
+        rank_one = (weighted @ np.swapaxes(cofactor, -1, -2)).sum(axis=1).reshape(n, 30) * np.sqrt(kappa / volume)[:, None]
+    force = (weighted @ np.swapaxes(P, -1, -2)).sum(axis=1)
+    # K_aibj = sum_qJ w G_aJ (sum_L A_iJjL G_bL), the inner sum first
+    inner = np.ascontiguousarray(np.swapaxes(A, 2, 3)).reshape(n, points, 27, 3) @ np.swapaxes(gradients, -1, -2)
+    left = np.ascontiguousarray(weighted.transpose(0, 2, 1, 3)).reshape(n, 10, 3 * points)
+    K = (left @ inner.reshape(n, 3 * points, 90)).reshape(n, 900)
+    # position of entry (3a + i, 3b + j) in the layout (a, i, j, b)
+    a, i, b, j = _ROW // 3, _ROW % 3, _COLUMN // 3, _COLUMN % 3
+    upper = K[:, ((a * 3 + i) * 3 + j) * 10 + b]
+    if rank_one is not None:
+        upper += rank_one[:, _ROW] * rank_one[:, _COLUMN]
+    return force, upper
+
+
+def _cofactor_derivative(F: F64) -> F64:
+    """Return d2 det(F) / dF_iJ dF_jL = eps_ijk eps_JLM F_kM, shape [..., 3, 3, 3, 3]."""
+    H = np.zeros((*F.shape[:-2], 3, 3, 3, 3))
+    for i, j, k, s in _PERMUTATIONS:
+        for J, L, M, t in _PERMUTATIONS:
+            H[..., i, J, j, L] += s * t * F[..., k, M]
+    return H
+
+
+_PERMUTATIONS = ((0, 1, 2, 1), (1, 2, 0, 1), (2, 0, 1, 1), (0, 2, 1, -1), (2, 1, 0, -1), (1, 0, 2, -1))

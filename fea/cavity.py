@@ -1,0 +1,70 @@
+"""Pressurised cavity: enclosed volume and its derivatives from curved six-node faces."""
+
+import numpy as np
+
+from fea.arrays import F64, I64
+
+# seven-point rule of degree 5 on the triangle (Radon; Strang & Fix, An Analysis of the Finite Element Method)
+_A, _B = (6.0 - np.sqrt(15.0)) / 21.0, (6.0 + np.sqrt(15.0)) / 21.0
+_POINTS = np.array(
+    [[1 / 3, 1 / 3], [_A, _A], [1 - 2 * _A, _A], [_A, 1 - 2 * _A], [_B, _B], [1 - 2 * _B, _B], [_B, 1 - 2 * _B]]
+)
+_WEIGHTS = 0.5 * np.array(
+    [0.225] + [(155.0 - np.sqrt(15.0)) / 1200.0] * 3 + [(155.0 + np.sqrt(15.0)) / 1200.0] * 3
+)
+_EPSILON = np.zeros((3, 3, 3))
+_EPSILON[[0, 1, 2], [1, 2, 0], [2, 0, 1]] = 1.0
+_EPSILON[[0, 2, 1], [2, 1, 0], [1, 0, 2]] = -1.0
+
+
+class Cavity:
+    """Closed cavity bounded by faces, the symmetry plane y = 0 and the base plane z = 0.
+
+    V = 1/3 of the surface integral of x . n; the two planes hold the origin and add nothing. The gradient is the
+    follower load of a unit pressure, and the Hessian is symmetric since pressure is conservative here.
+
+    Parameters
+    ----------
+    faces : array [n_faces, 6]
+        Vertices and mid-edge nodes ((0,1), (1,2), (0,2)), normals out of the cavity.
+    n_nodes : int
+        Number of nodes of the mesh.
+    """
+
+    def __init__(self, faces: I64, n_nodes: int) -> None:
+        if len(faces) == 0:
+            raise ValueError("faces: a cavity needs at least one face")
+        self.faces = faces
+        self.n_nodes = n_nodes
+        x, y = _POINTS.T
+        z = 1.0 - x - y
+        one = np.ones_like(x)
+        self._shape = np.stack([z * (2 * z - 1), x * (2 * x - 1), y * (2 * y - 1), 4 * z * x, 4 * x * y, 4 * z * y], 1)
+        self._dx = np.stack([1 - 4 * z, 4 * x - 1, 0 * one, 4 * (z - x), 4 * y, -4 * y], 1)
+        self._dy = np.stack([1 - 4 * z, 0 * one, 4 * y - 1, -4 * x, 4 * x, 4 * (z - y)], 1)
+
+    def volume_m3(self, points_m: F64) -> float:
+        """Return the enclosed volume of the half model at deformed nodes [n_nodes, 3]."""
+        x, a, b = self._frames(points_m)
+        return float(np.einsum("q,fqi,fqi->", _WEIGHTS, x, np.cross(a, b))) / 3.0
+
+    def derivatives(self, points_m: F64) -> tuple[F64, F64]:
+        """Return dV/dx [n_nodes, 3] and the faces' Hessians [n_faces, 18, 18]."""
+        x, a, b = self._frames(points_m)
+        w = _WEIGHTS / 3.0
+        terms = ((self._shape, np.cross(a, b)), (self._dx, np.cross(b, x)), (self._dy, np.cross(x, a)))
+        local = sum(np.einsum("q,qm,fqi->fmi", w, N, v) for N, v in terms)
+        gradient = np.zeros((self.n_nodes, 3))
+        np.add.at(gradient, self.faces, local)
+        hessian = np.zeros((len(self.faces), 6, 3, 6, 3))
+        pairs = ((self._shape, self._dx, b), (self._dx, self._dy, x), (self._dy, self._shape, a))
+        for first, second, vector in pairs:
+            skew = np.einsum("q,qm,qn->qmn", w, first, second)
+            skew = skew - skew.transpose(0, 2, 1)
+            hessian += np.einsum("qmn,ijk,fqk->fminj", skew, _EPSILON, vector, optimize=True)
+        return gradient, hessian.reshape(-1, 18, 18)
+
+    def _frames(self, points_m: F64) -> tuple[F64, F64, F64]:
+        nodes = points_m[self.faces]
+        x, a, b = (np.einsum("qm,fmi->fqi", N, nodes) for N in (self._shape, self._dx, self._dy))
+        return x, a, b

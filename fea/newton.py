@@ -1,0 +1,150 @@
+"""Newton's method with a step cap and adaptive load steps. Failure is a value, not an exception.
+
+No energy line search: near-inextensible rings make the linear step stretch them at large rotation, and a search on the
+energy then cripples the method.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+
+from fea.arrays import F64
+from fea.assembly import Load, SolidModel
+from fea.linear_solver import solve_symmetric
+
+
+class Status(Enum):
+    """How a solve ended."""
+
+    CONVERGED = "converged"
+    STALLED = "stalled"
+    INVERTED = "inverted"
+    SINGULAR = "singular"
+
+
+@dataclass(frozen=True, kw_only=True)
+class NewtonOptions:
+    """Settings of the nonlinear solve.
+
+    Attributes
+    ----------
+    relative_tolerance : float
+        Convergence when |internal - external| <= tolerance x the larger of the two norms.
+    step_cap_m : float
+        Largest nodal displacement of one iteration.
+    max_iterations : int
+        Iterations of one load step.
+    min_step : float
+        Smallest fraction of a requested load step before giving up.
+    """
+
+    relative_tolerance: float = 1e-7
+    step_cap_m: float = 4e-3
+    max_iterations: int = 20
+    min_step: float = 1.0 / 64.0
+
+    def __post_init__(self) -> None:
+        for name in ("relative_tolerance", "step_cap_m", "max_iterations", "min_step"):
+            if not getattr(self, name) > 0:
+                raise ValueError(f"{name} = {getattr(self, name)} must be positive")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Outcome:
+    """Result of one load step: the displacement [n_nodes, 3] (last accepted one on failure)."""
+
+    status: Status
+    u_m: F64
+    iterations: int
+    residual: float
+
+    @property
+    def converged(self) -> bool:
+        """Whether equilibrium was reached."""
+        return self.status is Status.CONVERGED
+
+
+def solve_equilibrium(model: SolidModel, u_m: F64, load: Load, options: NewtonOptions) -> Outcome:
+    """Iterate from ``u_m`` (which satisfies the supports) to equilibrium under ``load``."""
+    u = u_m.copy()
+    state = model.evaluate(u, load)
+    relative = np.inf
+    for iteration in range(options.max_iterations + 1):
+        if state is None or state.tangent is None:
+            return Outcome(status=Status.INVERTED, u_m=u, iterations=iteration, residual=relative)
+        imbalance = state.external_n - state.internal_n
+        scale = max(float(np.linalg.norm(state.external_n)), float(np.linalg.norm(state.internal_n)), 1e-12)
+        relative = float(np.linalg.norm(imbalance)) / scale
+        if relative <= options.relative_tolerance:
+            return Outcome(status=Status.CONVERGED, u_m=u, iterations=iteration, residual=relative)
+        if iteration == options.max_iterations:
+            break
+        step = solve_symmetric(state.tangent, imbalance)
+        if step is None:
+            return Outcome(status=Status.SINGULAR, u_m=u, iterations=iteration, residual=relative)
+        step *= min(1.0, options.step_cap_m / max(float(np.abs(step).max()), 1e-30))
+        for _ in range(6):  # halve the step while it would invert an element
+            trial = u.copy()
+            trial.reshape(-1)[model.free] += step
+            state = model.evaluate(trial, load)
+            if state is not None:
+                u = trial
+                break
+            step *= 0.5
+    return Outcome(status=Status.STALLED, u_m=u, iterations=options.max_iterations, residual=relative)
+
+
+def follow(
+    model: SolidModel,
+    load_at: Callable[[float], Load],
+    targets: list[float],
+    options: NewtonOptions,
+    *,
+    on_target: Callable[[float, F64], None],
+    extrapolate: bool = False,
+) -> Outcome:
+    """Go through increasing load parameters, halving a step that fails and growing it again when one works.
+
+    Parameters
+    ----------
+    model : SolidModel
+    load_at : callable
+        Load at a parameter; 0 is the unloaded state.
+    targets : list of float
+        Increasing parameters at which ``on_target(parameter, u)`` is called.
+    options : NewtonOptions
+    on_target : callable
+    extrapolate : bool
+        Start each step from the linear extrapolation of the last two states.
+
+    Returns
+    -------
+    Outcome
+        Of the last step; not converged if the path ended before the last target. ``iterations`` is the total.
+    """
+    u = np.zeros_like(model.mesh.points_m)
+    before: tuple[float, F64] | None = None
+    at, total = 0.0, 0
+    outcome = Outcome(status=Status.CONVERGED, u_m=u, iterations=0, residual=0.0)
+    for target in targets:
+        span = target - at
+        fraction = 1.0
+        while at < target:
+            step = min(fraction * span, target - at)
+            guess = u
+            if extrapolate and before is not None:
+                guess = u + (u - before[1]) * step / (at - before[0])
+            outcome = solve_equilibrium(model, guess, load_at(at + step), options)
+            total += outcome.iterations
+            if outcome.converged:
+                before = (at, u)
+                at, u = (target if step >= target - at else at + step), outcome.u_m
+                fraction = min(1.0, 2.0 * fraction)
+                continue
+            fraction *= 0.5
+            if fraction < options.min_step:
+                return Outcome(status=outcome.status, u_m=u, iterations=total, residual=outcome.residual)
+        on_target(target, u)
+    return Outcome(status=Status.CONVERGED, u_m=u, iterations=total, residual=outcome.residual)

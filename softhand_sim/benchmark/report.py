@@ -1,0 +1,71 @@
+"""Statistics and table of a benchmark."""
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import asdict
+from statistics import median
+from typing import Any
+
+from scipy.stats import binomtest
+
+from softhand_sim.grasp.trial import TrialResult
+from softhand_sim.grasp.verdict import Outcome
+
+HEADER = (
+    f"{'object':<14}{'trials':>7}{'held':>6}{'rate':>7}  {'95 % Wilson':<14}"
+    f"{'slip mm':>8}{'creep um/s':>12}{'depth mm':>10}  other outcomes"
+)
+
+
+def wilson_interval(held: int, trials: int) -> tuple[float, float]:
+    """Return Wilson's 95 % interval of a success rate (E. B. Wilson, J. Am. Stat. Assoc. 22, 1927)."""
+    interval = binomtest(held, trials).proportion_ci(confidence_level=0.95, method="wilson")
+    return float(interval.low), float(interval.high)
+
+
+def summarise(results: Sequence[TrialResult]) -> dict[str, dict[str, Any]]:
+    """Return per object: trials, held, success_rate, wilson_low, wilson_high, count of each outcome.
+
+    Medians of slip, creep and depth are over the trials that ended `HELD`, and None where none did.
+    """
+    summary: dict[str, dict[str, Any]] = {}
+    for name in dict.fromkeys(result.object for result in results):
+        own = [result for result in results if result.object == name]
+        held = [result for result in own if result.outcome is Outcome.HELD]
+        low, high = wilson_interval(len(held), len(own))
+        counts = Counter(result.outcome for result in own)
+        summary[name] = {
+            "trials": len(own),
+            "held": len(held),
+            "success_rate": len(held) / len(own),
+            "wilson_low": low,
+            "wilson_high": high,
+            "outcomes": {outcome.value: counts[outcome] for outcome in Outcome},
+            "held_median_slip_m": median(r.slip_m for r in held) if held else None,
+            "held_median_creep_m_per_s": median(r.creep_m_per_s for r in held) if held else None,
+            "held_median_penetration_m": median(r.penetration_m for r in held) if held else None,
+        }
+    return summary
+
+
+def table(summary: dict[str, dict[str, Any]]) -> str:
+    """Return the summary as text, a row an object."""
+    return "\n".join([HEADER, *(_row(name, row) for name, row in summary.items())])
+
+
+def _row(name: str, row: dict[str, Any]) -> str:
+    def scaled(key: str, factor: float, digits: int) -> str:
+        return "-" if row[key] is None else f"{row[key] * factor:.{digits}f}"
+
+    interval = f"{row['wilson_low']:.2f} - {row['wilson_high']:.2f}"
+    others = ", ".join(f"{k} {n}" for k, n in row["outcomes"].items() if n and k != Outcome.HELD)
+    return (
+        f"{name:<14}{row['trials']:>7}{row['held']:>6}{row['success_rate']:>7.2f}  {interval:<14}"
+        f"{scaled('held_median_slip_m', 1e3, 1):>8}{scaled('held_median_creep_m_per_s', 1e6, 0):>12}"
+        f"{scaled('held_median_penetration_m', 1e3, 2):>10}  {others}"
+    )
+
+
+def trial_rows(results: Sequence[TrialResult]) -> list[dict[str, Any]]:
+    """Return the trials as JSON-ready rows."""
+    return [{**asdict(result), "outcome": result.outcome.value} for result in results]

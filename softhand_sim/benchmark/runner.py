@@ -1,0 +1,78 @@
+"""Runs the trials of several objects, in this process or in worker processes; the results do not depend on which."""
+
+import multiprocessing
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from softhand_sim.calibration import load_calibration
+from softhand_sim.grasp.protocol import LiftProtocol
+from softhand_sim.grasp.trial import TrialResult, prepare, run_trial
+from softhand_sim.objects.model import ObjectModel
+
+# choice: small enough to keep two workers busy to the end, large enough to share the building of a scene
+TRIALS_A_CHUNK = 5
+
+
+@dataclass(frozen=True, kw_only=True)
+class BenchmarkPlan:
+    """What to run.
+
+    Attributes
+    ----------
+    objects: the objects, each with its own name.
+    trials: per object; their seeds are ``seed .. seed + trials - 1``, the same for every object.
+    calibration: finger calibration file; None for the shipped one.
+    """
+
+    objects: tuple[ObjectModel, ...]
+    trials: int
+    seed: int = 0
+    calibration: Path | None = None
+    protocol: LiftProtocol = field(default_factory=LiftProtocol)
+
+    def __post_init__(self) -> None:
+        names = [model.name for model in self.objects]
+        if not names or len(set(names)) != len(names):
+            raise ValueError(f"objects: {names} must be one or more different names")
+        if self.trials < 1 or self.seed < 0:
+            raise ValueError(f"trials: {self.trials} must be 1 or above, seed: {self.seed} 0 or above")
+
+    def chunks(self) -> list[tuple[ObjectModel, tuple[int, ...]]]:
+        """Return the work in pieces: an object and the seeds of its trials."""
+        seeds = range(self.seed, self.seed + self.trials)
+        return [
+            (model, tuple(seeds[start : start + TRIALS_A_CHUNK]))
+            for model in self.objects
+            for start in range(0, self.trials, TRIALS_A_CHUNK)
+        ]
+
+
+def run_benchmark(plan: BenchmarkPlan, workers: int = 1) -> Iterator[TrialResult]:
+    """Yield the results as they come; `in_order` sorts them."""
+    load_calibration(plan.calibration)
+    work = plan.chunks()
+    if workers == 1:
+        for model, seeds in work:
+            yield from _run_chunk(model, seeds, plan.calibration, plan.protocol)
+        return
+    # spawn: a forked child would inherit the parent's GL and BLAS threads
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(min(workers, len(work)), mp_context=context) as pool:
+        jobs = [pool.submit(_run_chunk, model, seeds, plan.calibration, plan.protocol) for model, seeds in work]
+        for job in as_completed(jobs):
+            yield from job.result()
+
+
+def in_order(plan: BenchmarkPlan, results: Sequence[TrialResult]) -> list[TrialResult]:
+    """Return the results by object (in the plan's order) and seed."""
+    place = {model.name: i for i, model in enumerate(plan.objects)}
+    return sorted(results, key=lambda result: (place[result.object], result.seed))
+
+
+def _run_chunk(
+    model: ObjectModel, seeds: tuple[int, ...], calibration: Path | None, protocol: LiftProtocol
+) -> list[TrialResult]:
+    setup = prepare(model, load_calibration(calibration), protocol=protocol)
+    return [run_trial(setup, seed) for seed in seeds]

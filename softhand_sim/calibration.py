@@ -1,0 +1,156 @@
+"""Reader of the finger calibration: the file through which the finite-element lab speaks to the runtime."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from assets import asset_path
+from softhand_sim.calibration_fields import Fields, read_fields
+from softhand_sim.calibration_parts import (
+    JOINTS,
+    CalibrationCurve,
+    ChamberCalibration,
+    FingerBody,
+    JointCalibration,
+    TendonCalibration,
+)
+
+__all__ = [
+    "JOINTS",
+    "CalibrationCurve",
+    "ChamberCalibration",
+    "FingerBody",
+    "FingerCalibration",
+    "JointCalibration",
+    "TendonCalibration",
+    "load_calibration",
+]
+
+SCHEMA = "softhand-sim/finger-calibration"
+SCHEMA_VERSION = 1
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FingerCalibration:
+    """Everything the runtime knows of a finger; ``notes`` holds the parts that it doesn't compute with."""
+
+    joints: tuple[JointCalibration, ...]
+    tendon: TendonCalibration
+    chamber: ChamberCalibration
+    finger: FingerBody
+    curve: CalibrationCurve
+    geometry: Mapping[str, Any]
+    notes: Mapping[str, Any]
+
+    def __post_init__(self) -> None:
+        names = tuple(joint.name for joint in self.joints)
+        if names != JOINTS:
+            raise ValueError(f"joints = {list(names)}: must be {list(JOINTS)}, in this order")
+        bent = np.radians(self.curve.joint_angle_deg) @ np.array([joint.offset_m for joint in self.joints])
+        for elongation in (0.0, *bent.tolist()):
+            if not self.chamber.area_m2_at(elongation) > 0.0:
+                area = self.chamber.area_m2_at(elongation)
+                raise ValueError(
+                    f"chamber.area_slope_m = {self.chamber.area_slope_m!r}: area must be > 0 on the curve, "
+                    f"is {area:g} m2 at {elongation:g} m"
+                )
+            if self.tendon.slope_n_per_m_at(elongation) < 0.0:
+                raise ValueError(
+                    f"tendon.stiffness_n_per_m2 = {self.tendon.stiffness_n_per_m2!r}: must not fall on the "
+                    f"curve: slope is {self.tendon.slope_n_per_m_at(elongation):g} N/m at {elongation:g} m"
+                )
+
+    def elongation_m(self, joint_angle_rad: tuple[float, float, float]) -> float:
+        """Return the tendon's elongation ``sum r_i theta_i`` [m] at the joint angles [rad], (3,)."""
+        return math.fsum(
+            joint.offset_m * angle for joint, angle in zip(self.joints, joint_angle_rad, strict=True)
+        )
+
+    def pressure_for_angle(self, angle_deg: float) -> float:
+        """Return the pressure [Pa gauge] at which the tip angle is ``angle_deg``, linear between points.
+
+        Raises
+        ------
+        ValueError
+            If the angle is outside the curve.
+        """
+        return _look_up("angle_deg", angle_deg, self.curve.tip_angle_deg, self.curve.pressure_pa_gauge)
+
+    def angle_for_pressure(self, pressure_pa_gauge: float) -> float:
+        """Return the tip angle [deg] on the curve at a pressure [Pa gauge], by linear interpolation.
+
+        Raises
+        ------
+        ValueError
+            If the pressure is outside the curve.
+        """
+        return _look_up(
+            "pressure_pa_gauge", pressure_pa_gauge, self.curve.pressure_pa_gauge, self.curve.tip_angle_deg
+        )
+
+
+def _look_up(name: str, x: float, xs: npt.NDArray[np.float64], ys: npt.NDArray[np.float64]) -> float:
+    if not xs[0] <= x <= xs[-1]:
+        raise ValueError(f"{name} = {x!r}: must be within the calibration's {xs[0]:g} to {xs[-1]:g}")
+    return float(np.interp(x, xs, ys))
+
+
+def load_calibration(path: Path | None = None) -> FingerCalibration:
+    """Read and check a finger calibration.
+
+    Parameters
+    ----------
+    path
+        JSON file; the shipped ``assets/calibration/finger.json`` by default.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    ValueError
+        If the file isn't a calibration of this schema and version, or a field is missing or outside its
+        range; the one-line message names file, field, value and what is allowed.
+    """
+    root = read_fields(asset_path("calibration", "finger.json") if path is None else path)
+    root.require_equal("schema", SCHEMA)
+    root.require_equal("schema_version", SCHEMA_VERSION)
+    joints = root.objects("joints", len(JOINTS))
+    curve = root.object("curve")
+    finger = root.object("finger")
+    known = {"schema", "schema_version", "joints", "tendon", "chamber", "finger", "curve", "geometry"}
+    for name in ("targets_used", "fit_rmse", "provenance"):
+        root.object(name)
+    with root.naming_file():
+        return FingerCalibration(
+            joints=tuple(_build_joint(joint) for joint in joints),
+            tendon=root.object("tendon").build(TendonCalibration),
+            chamber=root.object("chamber").build(ChamberCalibration),
+            finger=_build_body(finger),
+            curve=_build_curve(curve),
+            geometry=MappingProxyType(root.object("geometry").raw),
+            notes=MappingProxyType({key: value for key, value in root.raw.items() if key not in known}),
+        )
+
+
+def _build_joint(fields: Fields) -> JointCalibration:
+    return fields.build(JointCalibration, name=fields.text("name"))
+
+
+def _build_body(fields: Fields) -> FingerBody:
+    positions = tuple(fields.numbers("joint_position_m", (3,)).tolist())
+    return fields.build(FingerBody, joint_position_m=positions)
+
+
+def _build_curve(fields: Fields) -> CalibrationCurve:
+    return fields.build(
+        CalibrationCurve,
+        pressure_pa_gauge=fields.numbers("pressure_pa_gauge", (None,)),
+        tip_angle_deg=fields.numbers("tip_angle_deg", (None,)),
+        joint_angle_deg=fields.numbers("joint_angle_deg", (None, 3)),
+    )

@@ -1,0 +1,126 @@
+"""Typed access to a JSON file's fields, with errors that name the file and the field."""
+
+import json
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fields:
+    """A JSON object, the file it came from and its place in it."""
+
+    path: Path
+    place: str
+    raw: dict[str, Any]
+
+    def error(self, name: str, value: object, allowed: str) -> ValueError:
+        """Return the error that says what is wrong with a field, in one line."""
+        return ValueError(f"{self.path}: {self.place}{name} = {_brief(value)}: must be {allowed}")
+
+    def value(self, name: str) -> Any:
+        """Return a field's value; an error if it is missing."""
+        if name not in self.raw:
+            raise ValueError(f"{self.path}: {self.place}{name} is missing")
+        return self.raw[name]
+
+    def require_equal(self, name: str, expected: str | int) -> None:
+        """Raise unless a field has the expected value."""
+        value = self.value(name)
+        if value != expected:
+            raise self.error(name, value, repr(expected))
+
+    def object(self, name: str) -> "Fields":
+        """Return a field that is an object."""
+        value = self.value(name)
+        if not isinstance(value, dict):
+            raise self.error(name, value, "an object")
+        return Fields(path=self.path, place=f"{self.place}{name}.", raw=value)
+
+    def objects(self, name: str, count: int) -> tuple["Fields", ...]:
+        """Return a field that is a list of ``count`` objects."""
+        value = self.value(name)
+        if not isinstance(value, list) or len(value) != count or not all(isinstance(v, dict) for v in value):
+            raise self.error(name, value, f"a list of {count} objects")
+        return tuple(
+            Fields(path=self.path, place=f"{self.place}{name}[{k}].", raw=v) for k, v in enumerate(value)
+        )
+
+    def text(self, name: str) -> str:
+        """Return a field that is a string."""
+        value = self.value(name)
+        if not isinstance(value, str):
+            raise self.error(name, value, "a string")
+        return value
+
+    def numbers(self, name: str, shape: tuple[int | None, ...]) -> npt.NDArray[np.float64]:
+        """Return a field that is an array of finite numbers; ``None`` in ``shape`` means any length."""
+        value = self.value(name)
+        text = "(" + ", ".join("n" if size is None else str(size) for size in shape) + ")"
+        try:
+            array = np.array(value, dtype=np.float64)
+        except (TypeError, ValueError):
+            raise self.error(name, value, f"an array of numbers of shape {text}") from None
+        fits = array.ndim == len(shape) and all(
+            wanted is None or wanted == size for wanted, size in zip(shape, array.shape, strict=True)
+        )
+        if not fits:
+            raise self.error(name, value, f"an array of numbers of shape {text}")
+        bad = np.argwhere(~np.isfinite(array))
+        if len(bad):
+            index = "".join(f"[{k}]" for k in bad[0])
+            raise self.error(f"{name}{index}", float(array[tuple(bad[0])]), "finite")
+        array.setflags(write=False)
+        return array
+
+    def build(self, kind: type[T], **read: Any) -> T:
+        """Return ``kind``, a dataclass, from the fields of the same names, but for those in ``read``."""
+        names = [field.name for field in fields(kind)]  # type: ignore[arg-type]
+        values = {name: self.value(name) for name in names if name not in read}
+        try:
+            return kind(**values, **read)
+        except ValueError as error:
+            raise ValueError(f"{self.path}: {self.place}{error}") from None
+
+    @contextmanager
+    def naming_file(self) -> Iterator[None]:
+        """Put the file's name in front of errors that lack it."""
+        try:
+            yield
+        except ValueError as error:
+            if str(error).startswith(f"{self.path}: "):
+                raise
+            raise ValueError(f"{self.path}: {error}") from None
+
+
+def read_fields(path: Path) -> Fields:
+    """Return the object that a JSON file holds.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    ValueError
+        If it isn't JSON, or not an object.
+    """
+    if not path.is_file():
+        raise FileNotFoundError(f"{path}: no such calibration file")
+    try:
+        raw = json.loads(path.read_text(encoding="utf-8"))
+    except ValueError as error:
+        raise ValueError(f"{path}: not a JSON file: {error}") from None
+    if not isinstance(raw, dict):
+        raise ValueError(f"{path}: holds a {type(raw).__name__}: must be an object")
+    return Fields(path=path, place="", raw=raw)
+
+
+def _brief(value: object) -> str:
+    text = repr(value)
+    return text if len(text) <= 80 else text[:77] + "..."

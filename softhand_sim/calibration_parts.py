@@ -1,0 +1,153 @@
+"""Parts of the finger calibration: joints, tendon, chamber, rigid body, pressure-angle curve."""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import numpy.typing as npt
+
+from softhand_sim.checks import require_finite
+
+JOINTS: tuple[str, ...] = ("proximal", "middle", "distal")
+"""Joints of a finger, from its base."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class JointCalibration:
+    """One hinge: torque ``-(a q + b q^2 + c q^3)`` at angle ``q`` [rad]; tendon arm ``offset_m``."""
+
+    name: str
+    offset_m: float
+    stiffness_n_m_per_rad: float
+    stiffness_n_m_per_rad2: float
+    stiffness_n_m_per_rad3: float
+    damping_n_m_s_per_rad: float
+
+    def __post_init__(self) -> None:
+        require_finite("offset_m", self.offset_m, above=0.0)
+        require_finite("damping_n_m_s_per_rad", self.damping_n_m_s_per_rad, at_least=0.0)
+        a = require_finite("stiffness_n_m_per_rad", self.stiffness_n_m_per_rad, at_least=0.0)
+        b = require_finite("stiffness_n_m_per_rad2", self.stiffness_n_m_per_rad2)
+        c = require_finite("stiffness_n_m_per_rad3", self.stiffness_n_m_per_rad3, at_least=0.0)
+        # a + 2 b q + 3 c q^2 >= 0 for all q; the margin is for decimal rounding of a fit on the boundary
+        if b * b > 3.0 * a * c * (1.0 + 1e-9):
+            raise ValueError(
+                f"stiffness_n_m_per_rad2 = {b!r}: torque must be monotone, b^2 <= 3 a c = {3.0 * a * c:g}"
+            )
+
+    @property
+    def polynomial(self) -> tuple[float, float, float]:
+        """Stiffness coefficients (a, b, c) [N m/rad, N m/rad2, N m/rad3]."""
+        return self.stiffness_n_m_per_rad, self.stiffness_n_m_per_rad2, self.stiffness_n_m_per_rad3
+
+
+@dataclass(frozen=True, kw_only=True)
+class TendonCalibration:
+    """The actuator's wall: tension ``N = a d + b d^2 + c d^3`` at elongation ``d`` [m]."""
+
+    stiffness_n_per_m: float
+    stiffness_n_per_m2: float
+    stiffness_n_per_m3: float
+
+    def __post_init__(self) -> None:
+        require_finite("stiffness_n_per_m", self.stiffness_n_per_m, at_least=0.0)
+        require_finite("stiffness_n_per_m2", self.stiffness_n_per_m2)
+        require_finite("stiffness_n_per_m3", self.stiffness_n_per_m3)
+
+    @property
+    def polynomial(self) -> tuple[float, float, float]:
+        """Stiffness coefficients (a, b, c) [N/m, N/m2, N/m3]."""
+        return self.stiffness_n_per_m, self.stiffness_n_per_m2, self.stiffness_n_per_m3
+
+    def slope_n_per_m_at(self, elongation_m: float) -> float:
+        """Return ``dN/dd`` [N/m]."""
+        a, b, c = self.polynomial
+        return a + 2.0 * b * elongation_m + 3.0 * c * elongation_m**2
+
+
+@dataclass(frozen=True, kw_only=True)
+class ChamberCalibration:
+    """Chamber: ``V = V0 + A d + B d^2 / 2`` at elongation ``d`` [m]; tendon force ``p dV/dd``."""
+
+    volume_m3: float
+    area_m2: float
+    area_slope_m: float
+
+    def __post_init__(self) -> None:
+        require_finite("volume_m3", self.volume_m3, above=0.0)
+        require_finite("area_m2", self.area_m2, above=0.0)
+        require_finite("area_slope_m", self.area_slope_m)
+
+    def volume_m3_at(self, elongation_m: float) -> float:
+        """Return the chamber's volume [m3] at an elongation [m]."""
+        return self.volume_m3 + elongation_m * (self.area_m2 + 0.5 * self.area_slope_m * elongation_m)
+
+    def area_m2_at(self, elongation_m: float) -> float:
+        """Return the effective area ``dV/dd`` [m2] at an elongation [m]."""
+        return self.area_m2 + self.area_slope_m * elongation_m
+
+
+@dataclass(frozen=True, kw_only=True)
+class FingerBody:
+    """Rigid dimensions; ``joint_position_m`` (3,) are hinge centres along the finger from its base plane."""
+
+    length_m: float
+    joint_position_m: tuple[float, ...]
+    outer_radius_m: float
+    mass_kg: float
+    hinge_offset_m: float
+
+    def __post_init__(self) -> None:
+        for name in ("length_m", "outer_radius_m", "mass_kg"):
+            require_finite(name, getattr(self, name), above=0.0)
+        require_finite("hinge_offset_m", self.hinge_offset_m, at_least=0.0)
+        x = self.joint_position_m
+        ends = (0.0, *x, self.length_m)
+        if len(x) != len(JOINTS) or not all(low < high for low, high in pairwise(ends)):
+            raise ValueError(
+                f"joint_position_m = {list(x)}: must be 3 increasing positions in (0, {self.length_m:g})"
+            )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class CalibrationCurve:
+    """The surrogate's own equilibrium, without gravity.
+
+    Attributes
+    ----------
+    pressure_pa_gauge
+        Pressures [Pa gauge], (n,), increasing from 0 or above.
+    tip_angle_deg
+        Tip angle [deg], (n,), increasing; the sum of the joint angles.
+    joint_angle_deg
+        Joint angles, proximal to distal [deg], (n, 3).
+    """
+
+    pressure_pa_gauge: npt.NDArray[np.float64]
+    tip_angle_deg: npt.NDArray[np.float64]
+    joint_angle_deg: npt.NDArray[np.float64]
+
+    def __post_init__(self) -> None:
+        n = len(self.pressure_pa_gauge)
+        if n < 2:
+            raise ValueError(f"pressure_pa_gauge has {n} points: must have at least 2")
+        if self.tip_angle_deg.shape != (n,):
+            raise ValueError(f"tip_angle_deg has shape {self.tip_angle_deg.shape}: must be ({n},)")
+        if self.joint_angle_deg.shape != (n, 3):
+            raise ValueError(f"joint_angle_deg has shape {self.joint_angle_deg.shape}: must be ({n}, 3)")
+        for name in ("pressure_pa_gauge", "tip_angle_deg"):
+            values = getattr(self, name)
+            falls = np.flatnonzero(np.diff(values) <= 0.0)
+            if falls.size:
+                k = int(falls[0])
+                pair = f"{values[k]:g} then {values[k + 1]:g}"
+                raise ValueError(f"{name}[{k + 1}]: {pair}: must be strictly increasing")
+        if self.pressure_pa_gauge[0] < 0.0:
+            raise ValueError(f"pressure_pa_gauge[0] = {self.pressure_pa_gauge[0]:g}: must be >= 0")
+        off = np.abs(self.joint_angle_deg.sum(axis=1) - self.tip_angle_deg)
+        if off.max() > 0.01:
+            k = int(off.argmax())
+            raise ValueError(
+                f"tip_angle_deg[{k}] = {self.tip_angle_deg[k]:g}: must be the sum of the joint angles, "
+                f"{self.joint_angle_deg[k].sum():g}"
+            )

@@ -1,0 +1,1 @@
+"""Controllable elements of the hand, the controller protocol and the ON-OFF law."""

@@ -1,0 +1,95 @@
+"""The paper's ON-OFF pressure law, evaluated at the sensor's sampling rate."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from softhand_sim.checks import require_finite
+from softhand_sim.control.elements import ELEMENTS
+from softhand_sim.control.protocol import ControllerState, ValveCommand
+from softhand_sim.pneumatics.gas import AMBIENT_PA_ABS
+
+_MEMORY = (
+    5  # inlet open, outlet open, last reading, rise of the last inlet pulse, fall of the last outlet pulse
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class OnOffController:
+    """Inlet and outlet, each fully open or shut, never both open.
+
+    A shut inlet opens when the reading is below the set value by more than the dead band, and shuts as
+    soon as the sensor reads the set value; the outlet mirrors it.
+
+    Sampling at 50 Hz adds a difficulty: the pressure moves by one *pulse* (about 4 kPa) between two
+    readings. A literal law shuts up to one pulse late, holds *above* the set value and then chatters,
+    while the paper's hand holds "marginally below". So with ``lookahead`` (default) the controller
+    remembers what its last pulse did to the reading, and doesn't fire, or stops, when one more such pulse
+    would carry the reading past the set value. Held values then lie below the set value on the way up and
+    above it on the way down, by less than the larger of a pulse and the dead band. That memory is our
+    reading of the paper, not stated in it.
+
+    A set pressure of zero is release: the outlet stays open until the element is at ambient.
+
+    Attributes
+    ----------
+    dead_band_pa
+        Half width of the band round the set value in which a shut valve stays shut [Pa]. Default: two
+        counts of the sensor (0.49 kPa). Choice: below one count the converter's flicker alone would fire
+        the valves.
+    lookahead
+        Whether the last pulse is remembered (see above).
+    ambient_pa_abs
+        Ambient that the gauge set pressures refer to [Pa abs].
+
+    Raises
+    ------
+    ValueError
+        If the dead band is negative or ambient is not positive.
+    """
+
+    dead_band_pa: float = 2.0 * 244.140625
+    lookahead: bool = True
+    ambient_pa_abs: float = AMBIENT_PA_ABS
+
+    def __post_init__(self) -> None:
+        require_finite("dead_band_pa", self.dead_band_pa, at_least=0.0)
+        require_finite("ambient_pa_abs", self.ambient_pa_abs, above=0.0)
+
+    def reset(self) -> ControllerState:
+        """Return the memory before the first tick: valves shut, no reading (NaN), no pulse seen."""
+        return (0.0, 0.0, math.nan, 0.0, 0.0) * len(ELEMENTS)
+
+    def command(
+        self, readings_pa_abs: Sequence[float], set_pa_gauge: Sequence[float], state: ControllerState
+    ) -> tuple[tuple[ValveCommand, ...], ControllerState]:
+        """Return the valve positions of every element, and the new memory (see ``Controller``)."""
+        commands: list[ValveCommand] = []
+        memory: list[float] = []
+        for k, (reading, set_gauge) in enumerate(zip(readings_pa_abs, set_pa_gauge, strict=True)):
+            inlet, outlet, last, rise, fall = state[k * _MEMORY : (k + 1) * _MEMORY]
+            if self.lookahead and inlet:
+                rise = max(reading - last, 0.0)
+            if self.lookahead and outlet:
+                fall = max(last - reading, 0.0)
+            command = self._decide(
+                reading - self.ambient_pa_abs,
+                float(set_gauge),
+                ValveCommand(bool(inlet), bool(outlet)),
+                rise,
+                fall,
+            )
+            commands.append(command)
+            memory += (float(command.inlet_open), float(command.outlet_open), reading, rise, fall)
+        return tuple(commands), tuple(memory)
+
+    def _decide(
+        self, reading_gauge: float, set_gauge: float, now: ValveCommand, rise: float, fall: float
+    ) -> ValveCommand:
+        """Return the valve positions of one element from gauge pressures [Pa]."""
+        error = set_gauge - reading_gauge
+        if set_gauge <= 0.0:
+            return ValveCommand(False, -error > (0.0 if now.outlet_open else self.dead_band_pa))
+        inlet_at = rise if now.inlet_open else max(self.dead_band_pa, rise)
+        outlet_at = fall if now.outlet_open else max(self.dead_band_pa, fall)
+        return ValveCommand(error > inlet_at, -error > outlet_at)

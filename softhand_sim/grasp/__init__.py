@@ -1,0 +1,1 @@
+"""Grasp trials: scripted grasp, protocol, metrics, verdict."""

@@ -1,0 +1,1 @@
+"""The MuJoCo hand: anatomy, one finger, the hand on its wrist, the scene around it."""

@@ -1,0 +1,110 @@
+"""Any mesh file as a graspable object."""
+
+from pathlib import Path
+
+import numpy as np
+import trimesh
+from scipy.spatial.transform import Rotation
+
+from softhand_sim.objects.decompose import convex_parts, reduced
+from softhand_sim.objects.geometry import FloatArray, ShapeGeometry, hull
+from softhand_sim.objects.mass import MassProperties, combined, is_closed, mass_properties
+from softhand_sim.objects.model import DEFAULT_FRICTION, ObjectModel, build_object, check_friction, check_mass
+from softhand_sim.objects.reader import read_triangles, repair
+
+VISUAL_FACES = 4000
+"""Faces kept for pictures; choice: finer than a pixel at the sizes rendered here."""
+
+
+def load_mesh_object(
+    path: str | Path,
+    *,
+    mass_kg: float,
+    friction: float = DEFAULT_FRICTION,
+    scale: float = 1.0,
+    name: str | None = None,
+) -> ObjectModel:
+    """Return an object from an OBJ, STL, PLY, GLB, glTF or OFF file.
+
+    The mesh is checked, repaired, split into convex parts (cached), laid down in its most probable resting pose and
+    moved to its mass centre. Mass centre and inertia are those of the enclosed solid at uniform density, or of the
+    convex parts if the surface stays open.
+
+    Parameters
+    ----------
+    path : str or Path
+    mass_kg : float
+    friction : float
+    scale : float
+        Factor from the file's unit to metres.
+    name : str, optional
+        Default: the file's name without its ending.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    ValueError
+        If mass, friction or scale is impossible, or the file holds no usable mesh of a possible size.
+    """
+    path = Path(path)
+    check_mass(mass_kg)
+    check_friction(friction)
+    mesh, notes = repair(read_triangles(path, scale))
+    try:
+        parts = convex_parts(mesh)
+        properties = mass_properties(mesh) if is_closed(mesh) and mesh.volume > 0.0 else combined(parts)
+        turn = resting_rotation(np.vstack([part.vertices for part in parts]), properties.centre_m)
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from error
+    if len(mesh.faces) > VISUAL_FACES:
+        notes = (*notes, f"picture reduced from {len(mesh.faces)} to {VISUAL_FACES} triangles")
+    visual = reduced(mesh, VISUAL_FACES)
+    return build_object(
+        ShapeGeometry(mesh=_turned(visual, turn), convex_parts=tuple(_turned(part, turn) for part in parts)),
+        name=path.stem if name is None else name,
+        kind="mesh",
+        mass_kg=mass_kg,
+        friction=friction,
+        properties=MassProperties(
+            volume_m3=properties.volume_m3,
+            centre_m=turn @ properties.centre_m,
+            inertia_m5=turn @ properties.inertia_m5 @ turn.T,
+        ),
+        notes=notes,
+    )
+
+
+def resting_rotation(points: FloatArray, centre: FloatArray) -> FloatArray:
+    """Return the smallest rotation, shape (3, 3), that lays a body down in its most probable resting pose.
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 3)
+        Of the surface that touches the table.
+    centre : ndarray, shape (3,)
+        Mass centre.
+
+    Raises
+    ------
+    ValueError
+        If the mass centre is outside the hull of the points.
+
+    Notes
+    -----
+    Quasi-static drop probabilities over the hull's facets, K. Goldberg et al., IJRR 18(5), 1999, as implemented in
+    trimesh; without sampling, so the same on every call.
+    """
+    outer = hull(points)
+    gaps = np.einsum("ij,ij->i", outer.face_normals, centre - outer.triangles_center)
+    if np.any(gaps >= 0.0):
+        raise ValueError("the mass centre lies outside the hull of the convex parts")
+    poses, _ = trimesh.poses.compute_stable_poses(outer, center_mass=centre, sigma=0.0, n_samples=1, seed=0)
+    up = np.asarray(poses[0][2, :3], dtype=np.float64)
+    return np.asarray(Rotation.align_vectors([[0.0, 0.0, 1.0]], [up])[0].as_matrix(), dtype=np.float64)
+
+
+def _turned(mesh: trimesh.Trimesh, rotation: FloatArray) -> trimesh.Trimesh:
+    return trimesh.Trimesh(
+        vertices=np.asarray(mesh.vertices) @ rotation.T, faces=np.asarray(mesh.faces), process=False
+    )

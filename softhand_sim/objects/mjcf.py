@@ -1,0 +1,141 @@
+"""An object as part of a MuJoCo model, without any file on disk."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import trimesh
+
+from softhand_sim.objects.model import ObjectModel
+
+if TYPE_CHECKING:
+    from dm_control import mjcf
+
+VISUAL_GROUP = 2
+COLLISION_GROUP = 3
+
+
+@dataclass(frozen=True, kw_only=True)
+class ContactSettings:
+    """Contact parameters of an object's collision geoms.
+
+    Attributes
+    ----------
+    condim : {1, 3, 4, 6}
+        4: sliding and torsional friction, for soft pads (choice of the project's grasp study).
+    patch_radius_m : float
+        Radius of the contact patch a of a soft pad; the torsional friction is 2/3 mu a (disc under uniform pressure).
+        choice: 4 mm, half a fingertip's radius.
+    rolling_friction_m : float
+        Used with condim 6 only. Default: MuJoCo's.
+    time_constant_s, damping_ratio : float
+        MuJoCo's solref. choice: 6 ms, MuJoCo's maintainers advise 4 to 10 ms for grasping.
+    priority : int
+        Above the default 0, so that the object's own friction holds in each of its contacts, instead of the larger of
+        the two bodies' values: an oiled object is slippery however rough the finger is.
+    contype, conaffinity : int
+        MuJoCo's contact bit masks.
+
+    Raises
+    ------
+    ValueError
+        If a value is out of range.
+    """
+
+    condim: int = 4
+    patch_radius_m: float = 0.004
+    rolling_friction_m: float = 1e-4
+    time_constant_s: float = 0.006
+    damping_ratio: float = 1.0
+    priority: int = 1
+    contype: int = 1
+    conaffinity: int = 1
+
+    def __post_init__(self) -> None:
+        if self.condim not in (1, 3, 4, 6):
+            raise ValueError(f"condim is {self.condim}, allowed 1, 3, 4, 6")
+        for name in ("patch_radius_m", "rolling_friction_m"):
+            if not (np.isfinite(getattr(self, name)) and getattr(self, name) >= 0.0):
+                raise ValueError(f"{name} is {getattr(self, name)}, needs a finite number >= 0")
+        for name in ("time_constant_s", "damping_ratio"):
+            if not (np.isfinite(getattr(self, name)) and getattr(self, name) > 0.0):
+                raise ValueError(f"{name} is {getattr(self, name)}, needs a finite number > 0")
+
+
+def attach_object(
+    root: "mjcf.RootElement",
+    model: ObjectModel,
+    *,
+    name: str = "object",
+    contact: ContactSettings | None = None,
+) -> "mjcf.Element":
+    """Add the object to a model as a free body at the origin, and return the body's element.
+
+    The body's frame is the object's canonical frame; put it at z = table height + `model.rest_height_m` to rest. Its
+    elements are called `<name>` (body), `<name>_joint`, `<name>_visual` (group 2, no contact, no mass) and
+    `<name>_collision_<i>` (group 3). Geometry is written inline, so the model needs no files.
+
+    Raises
+    ------
+    ValueError
+        If the model has such a body already.
+    """
+    if root.find("body", name) is not None:
+        raise ValueError(f"the model has a body {name!r} already")
+    settings = ContactSettings() if contact is None else contact
+    body = root.worldbody.add("body", name=name)
+    body.add("freejoint", name=f"{name}_joint")
+    full = model.inertia_kg_m2
+    body.add(
+        "inertial",
+        pos=(0.0, 0.0, 0.0),
+        mass=model.mass_kg,
+        fullinertia=(full[0, 0], full[1, 1], full[2, 2], full[0, 1], full[0, 2], full[1, 2]),
+    )
+    body.add(
+        "geom",
+        name=f"{name}_visual",
+        type="mesh",
+        mesh=_add_mesh(root, f"{name}_visual", model.mesh),
+        group=VISUAL_GROUP,
+        contype=0,
+        conaffinity=0,
+        mass=0.0,
+        rgba=model.rgba,
+    )
+    common = _contact_attributes(model, settings)
+    if model.primitive is not None:
+        size = model.primitive.size_m
+        body.add("geom", name=f"{name}_collision_0", type=model.primitive.kind, size=size, **common)
+        return body
+    for i, part in enumerate(model.convex_parts):
+        label = f"{name}_collision_{i}"
+        body.add("geom", name=label, type="mesh", mesh=_add_mesh(root, label, part), **common)
+    return body
+
+
+def _contact_attributes(model: ObjectModel, settings: ContactSettings) -> dict[str, Any]:
+    torsional = 2.0 / 3.0 * model.friction * settings.patch_radius_m
+    return {
+        "group": COLLISION_GROUP,
+        "mass": 0.0,
+        "condim": settings.condim,
+        "friction": (model.friction, torsional, settings.rolling_friction_m),
+        "solref": (settings.time_constant_s, settings.damping_ratio),
+        "priority": settings.priority,
+        "contype": settings.contype,
+        "conaffinity": settings.conaffinity,
+        "rgba": model.rgba,
+    }
+
+
+def _add_mesh(root: "mjcf.RootElement", name: str, mesh: trimesh.Trimesh) -> "mjcf.Element":
+    # "shell": the engine then needs an area only; its volume check would refuse thin or open visual meshes, and the
+    # body's inertia is explicit anyway
+    return root.asset.add(
+        "mesh",
+        name=name,
+        inertia="shell",
+        vertex=np.asarray(mesh.vertices, dtype=np.float64).ravel(),
+        face=np.asarray(mesh.faces, dtype=np.int64).ravel(),
+    )

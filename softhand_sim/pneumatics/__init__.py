@@ -1,0 +1,1 @@
+"""Gas, valves, sensors: from valve commands to the gauge pressure in every finger."""

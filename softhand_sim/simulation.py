@@ -1,0 +1,121 @@
+"""The hand in time: engine, pneumatics and wrist stepped together."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from softhand_sim.calibration import FingerCalibration
+from softhand_sim.control.elements import FINGERS
+from softhand_sim.hand.anatomy import HandAnatomy
+from softhand_sim.hand.hand import WRIST
+from softhand_sim.pneumatics.state import PneumaticState
+from softhand_sim.pneumatics.system import PneumaticSystem
+from softhand_sim.wrist import limited_step
+
+Vector = npt.NDArray[np.float64]
+
+_INSTABILITY = (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC)
+
+
+@dataclass(frozen=True, kw_only=True)
+class HandIndex:
+    """Addresses of the hand's parts in a compiled model."""
+
+    pressure_ctrl: Vector
+    wrist_ctrl: Vector
+    wrist_qpos: Vector
+    tendon: Vector
+    joint_qpos: Vector
+    palm_body: int
+
+    @classmethod
+    def of(cls, model: mujoco.MjModel) -> "HandIndex":
+        """Look the names up once."""
+        joints = [[f"{f}_{j}" for j in ("proximal", "middle", "distal")] for f in FINGERS]
+        return cls(
+            pressure_ctrl=np.array([model.actuator(f"{f}_pressure").id for f in FINGERS]),
+            wrist_ctrl=np.array([model.actuator(name).id for name in WRIST]),
+            wrist_qpos=np.array([model.joint(name).qposadr[0] for name in WRIST]),
+            tendon=np.array([model.tendon(f"{f}_actuator").id for f in FINGERS]),
+            joint_qpos=np.array([[model.joint(name).qposadr[0] for name in row] for row in joints]),
+            palm_body=int(model.body("palm").id),
+        )
+
+
+@dataclass(kw_only=True)
+class HandSimulation:
+    """One world: mutable on purpose, since it wraps the engine's own mutable ``MjData``.
+
+    Set `wrist_target` and `set_pressure_pa_gauge`, then call `step`. The gas is stepped first, with the chamber
+    volumes that the fingers have now; its pressures then act through the next engine step (first-order coupling).
+
+    Attributes
+    ----------
+    wrist_target: x, y, z (m), yaw, pitch, roll (rad), shape (6,); approached at the wrist's limited speed.
+    set_pressure_pa_gauge: wanted pressure per element (Pa), shape (3,).
+    """
+
+    model: mujoco.MjModel
+    calibration: FingerCalibration
+    anatomy: HandAnatomy = field(default_factory=HandAnatomy)
+    pneumatics: PneumaticSystem = field(default_factory=PneumaticSystem)
+
+    def __post_init__(self) -> None:
+        self.index = HandIndex.of(self.model)
+        self.data = mujoco.MjData(self.model)
+        self.dt = float(self.model.opt.timestep)
+
+    def reset(self, rng: np.random.Generator, wrist_pose: Vector) -> None:
+        """Start anew with empty fingers and the wrist standing at `wrist_pose`, shape (6,)."""
+        mujoco.mj_resetData(self.model, self.data)
+        self.data.qpos[self.index.wrist_qpos] = wrist_pose
+        self.data.ctrl[self.index.wrist_ctrl] = wrist_pose
+        mujoco.mj_forward(self.model, self.data)
+        self.wrist_reference = np.array(wrist_pose, dtype=np.float64)
+        self.wrist_target = self.wrist_reference.copy()
+        self.set_pressure_pa_gauge = np.zeros(3)
+        self.gas: PneumaticState = self.pneumatics.reset(self.chamber_volumes_m3(), rng)
+
+    def step(self) -> None:
+        """Advance by one time step of the engine."""
+        self.wrist_reference = limited_step(
+            self.wrist_reference,
+            self.wrist_target,
+            self.anatomy.wrist_speed_m_per_s * self.dt,
+            self.anatomy.wrist_rate_rad_per_s * self.dt,
+        )
+        self.gas = self.pneumatics.step(self.gas, self.chamber_volumes_m3(), self.set_pressure_pa_gauge, self.dt)
+        ctrl = self.data.ctrl
+        ctrl[self.index.wrist_ctrl] = self.wrist_reference
+        ctrl[self.index.pressure_ctrl] = self.pneumatics.finger_pressures_pa_gauge(self.gas)
+        mujoco.mj_step(self.model, self.data)
+
+    def chamber_volumes_m3(self) -> Vector:
+        """Volume of each finger's chamber, shape (5,): V(delta) at the tendon's present length."""
+        delta = self.data.ten_length[self.index.tendon]
+        chamber = self.calibration.chamber
+        return chamber.volume_m3 + delta * (chamber.area_m2 + 0.5 * chamber.area_slope_m * delta)
+
+    @property
+    def wrist_arrived(self) -> bool:
+        """Whether the wrist's reference stands at its target."""
+        return bool(np.array_equal(self.wrist_reference, self.wrist_target))
+
+    @property
+    def diverged(self) -> bool:
+        """Whether the engine reported an instability or a coordinate is not finite."""
+        warned = any(self.data.warning[kind].number > 0 for kind in _INSTABILITY)
+        return warned or not bool(np.isfinite(self.data.qpos).all())
+
+    def tip_angles_rad(self) -> Vector:
+        """Bending angle of each fingertip against its base, shape (5,): the sum of its joints' angles."""
+        return np.asarray(self.data.qpos[self.index.joint_qpos].sum(axis=1))
+
+    def in_palm_frame(self, body: int) -> tuple[Vector, Vector]:
+        """Position (m), shape (3,), and rotation, shape (3, 3), of a body in the palm's frame."""
+        palm = self.data.xmat[self.index.palm_body].reshape(3, 3)
+        position = palm.T @ (self.data.xpos[body] - self.data.xpos[self.index.palm_body])
+        return position, palm.T @ self.data.xmat[body].reshape(3, 3)
