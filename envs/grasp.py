@@ -105,8 +105,7 @@ class SoftHandGraspEnv(gymnasium.Env[Vector, Vector]):
         scene = build_scene(finger, add_object=lambda root: attach_object(root, self._object))
         self._simulation = HandSimulation(model=scene.model, calibration=finger)
         self._protocol = LiftProtocol()
-        self._start = plan_grasp(self._object).wrist_pose((0.0, 0.0))
-        self._start[2] += self._protocol.approach_m
+        self._start = plan_grasp(self._object).standoff(self._protocol.approach_m)
         self._highest_pa = float(finger.curve.pressure_pa_gauge[-1])
         self._body = int(scene.model.body("object").id)
         self._site = int(scene.model.site("grasp").id)

@@ -1,13 +1,18 @@
-"""One direct solver for symmetric indefinite systems: MKL's PARDISO where it is installed, SuperLU elsewhere."""
+"""One direct solver for symmetric systems: MKL's PARDISO where it is installed, SuperLU elsewhere."""
 
 import importlib.util
 import warnings
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.sparse.linalg import MatrixRankWarning, spsolve
+from scipy.sparse.linalg import MatrixRankWarning, splu
 
 from fea.arrays import F64
+
+_ANALYSE, _FACTOR_AND_SOLVE = 11, 23
+# PARDISO's iparm, counted from 1: own values on, nested dissection, no scaling or matching (displacement problems)
+_IPARM = {1: 1, 2: 2, 8: 2, 10: 8}
 
 
 def solver_name() -> str:
@@ -17,35 +22,49 @@ def solver_name() -> str:
     return "SuperLU (scipy)"
 
 
-def solve_symmetric(upper: sp.csr_array, right_side: F64) -> F64 | None:
-    """Solve K x = b for a symmetric K given by its upper triangle.
+class SymmetricSolver:
+    """Solves K x = b for symmetric K given by its upper triangle; the pattern is analysed once and reused."""
 
-    Parameters
-    ----------
-    upper : csr_array [n, n]
-        Upper triangle of K with its diagonal.
-    right_side : array [n] or [n, k]
+    def __init__(self, *, use_pardiso: bool | None = None) -> None:
+        self._use_pardiso = solver_name().startswith("pypardiso") if use_pardiso is None else use_pardiso
+        self._pardiso: Any = None
 
-    Returns
-    -------
-    array like ``right_side``, or None
-        None if K is singular to working precision.
-    """
-    x = _pardiso(upper, right_side) if solver_name().startswith("pypardiso") else _superlu(upper, right_side)
-    return x if x is not None and bool(np.isfinite(x).all()) else None
+    def solve(self, upper: sp.csr_array, right_side: F64) -> F64 | None:
+        """Return x, shape [n], or None if K is singular to working precision.
 
+        Parameters
+        ----------
+        upper : csr_array [n, n]
+            Upper triangle of K with its diagonal; every call must have the pattern of the first.
+        right_side : array [n]
+        """
+        x = self._mkl(upper, right_side) if self._use_pardiso else _superlu(upper, right_side)
+        return x if x is not None and bool(np.isfinite(x).all()) else None
 
-def _pardiso(upper: sp.csr_array, right_side: F64) -> F64 | None:
-    from pypardiso import PyPardisoSolver  # noqa: PLC0415 - optional dependency
-    from pypardiso.pardiso_wrapper import PyPardisoError  # noqa: PLC0415
+    def close(self) -> None:
+        """Release the factors."""
+        if self._pardiso is not None:
+            self._pardiso.free_memory(everything=True)
+            self._pardiso = None
 
-    solver = PyPardisoSolver(mtype=-2, size_limit_storage=0)
-    try:
-        return np.asarray(solver.solve(upper, right_side), dtype=np.float64)
-    except PyPardisoError:
-        return None
-    finally:
-        solver.free_memory(everything=True)
+    def _mkl(self, upper: sp.csr_array, right_side: F64) -> F64 | None:
+        from pypardiso import PyPardisoSolver  # noqa: PLC0415 - optional dependency
+        from pypardiso.pardiso_wrapper import PyPardisoError  # noqa: PLC0415
+
+        try:
+            if self._pardiso is None:
+                self._pardiso = PyPardisoSolver(mtype=-2, size_limit_storage=0)
+                for index, value in _IPARM.items():
+                    self._pardiso.set_iparm(index, value)
+                self._run(_ANALYSE, upper, right_side)
+            return self._run(_FACTOR_AND_SOLVE, upper, right_side)
+        except PyPardisoError:
+            return None
+
+    def _run(self, phase: int, upper: sp.csr_array, right_side: F64) -> F64:
+        # the public solve() analyses the pattern anew each time, which costs as much as the factorisation
+        self._pardiso.set_phase(phase)
+        return np.asarray(self._pardiso._call_pardiso(upper, right_side), dtype=np.float64)
 
 
 def _superlu(upper: sp.csr_array, right_side: F64) -> F64 | None:
@@ -53,6 +72,9 @@ def _superlu(upper: sp.csr_array, right_side: F64) -> F64 | None:
     with warnings.catch_warnings():
         warnings.simplefilter("error", MatrixRankWarning)
         try:
-            return np.asarray(spsolve(full, right_side, permc_spec="MMD_AT_PLUS_A"), dtype=np.float64)
+            factors = splu(
+                full, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+            )
         except (MatrixRankWarning, RuntimeError):
             return None
+    return np.asarray(factors.solve(right_side), dtype=np.float64)

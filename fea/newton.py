@@ -12,7 +12,7 @@ import numpy as np
 
 from fea.arrays import F64
 from fea.assembly import Load, SolidModel
-from fea.linear_solver import solve_symmetric
+from fea.linear_solver import SymmetricSolver
 
 
 class Status(Enum):
@@ -40,9 +40,9 @@ class NewtonOptions:
         Smallest fraction of a requested load step before giving up.
     """
 
-    relative_tolerance: float = 1e-7
+    relative_tolerance: float = 1e-6
     step_cap_m: float = 4e-3
-    max_iterations: int = 20
+    max_iterations: int = 16
     min_step: float = 1.0 / 64.0
 
     def __post_init__(self) -> None:
@@ -66,7 +66,9 @@ class Outcome:
         return self.status is Status.CONVERGED
 
 
-def solve_equilibrium(model: SolidModel, u_m: F64, load: Load, options: NewtonOptions) -> Outcome:
+def solve_equilibrium(
+    model: SolidModel, u_m: F64, load: Load, options: NewtonOptions, solver: SymmetricSolver
+) -> Outcome:
     """Iterate from ``u_m`` (which satisfies the supports) to equilibrium under ``load``."""
     u = u_m.copy()
     state = model.evaluate(u, load)
@@ -81,7 +83,7 @@ def solve_equilibrium(model: SolidModel, u_m: F64, load: Load, options: NewtonOp
             return Outcome(status=Status.CONVERGED, u_m=u, iterations=iteration, residual=relative)
         if iteration == options.max_iterations:
             break
-        step = solve_symmetric(state.tangent, imbalance)
+        step = solver.solve(state.tangent, imbalance)
         if step is None:
             return Outcome(status=Status.SINGULAR, u_m=u, iterations=iteration, residual=relative)
         step *= min(1.0, options.step_cap_m / max(float(np.abs(step).max()), 1e-30))
@@ -127,6 +129,7 @@ def follow(
     u = np.zeros_like(model.mesh.points_m)
     before: tuple[float, F64] | None = None
     at, total = 0.0, 0
+    solver = SymmetricSolver()
     outcome = Outcome(status=Status.CONVERGED, u_m=u, iterations=0, residual=0.0)
     for target in targets:
         span = target - at
@@ -136,7 +139,7 @@ def follow(
             guess = u
             if extrapolate and before is not None:
                 guess = u + (u - before[1]) * step / (at - before[0])
-            outcome = solve_equilibrium(model, guess, load_at(at + step), options)
+            outcome = solve_equilibrium(model, guess, load_at(at + step), options, solver)
             total += outcome.iterations
             if outcome.converged:
                 before = (at, u)
@@ -145,6 +148,8 @@ def follow(
                 continue
             fraction *= 0.5
             if fraction < options.min_step:
+                solver.close()
                 return Outcome(status=outcome.status, u_m=u, iterations=total, residual=outcome.residual)
         on_target(target, u)
+    solver.close()
     return Outcome(status=Status.CONVERGED, u_m=u, iterations=total, residual=outcome.residual)

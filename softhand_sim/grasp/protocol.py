@@ -11,7 +11,7 @@ class LiftProtocol:
 
     Attributes
     ----------
-    approach_m: height above the grasp pose from which the hand comes down (choice).
+    approach_m: distance from the grasp pose at which the hand starts (choice).
     close_s: time given to the valves to fill the fingers (choice: the triple element fills in about 1 s).
     lift_m, hold_s: height and duration of the hold. The lift runs at the wrist's speed limit (paper: 100 mm/s).
     settle_s: rest between phases, so that slip is measured from a standing hand (choice).

@@ -1,4 +1,4 @@
-"""A scripted top grasp, chosen from the object's shape alone (never from its name)."""
+"""A scripted grasp, chosen from the object's shape alone (never from its name)."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -8,9 +8,20 @@ import numpy.typing as npt
 
 from softhand_sim.objects.model import ObjectModel
 
+Vector = npt.NDArray[np.float64]
+
+# choice: a ball fills 0.52 of its box, an upright cylinder 0.79, a box 1
+ROUND_FILL = 0.65
+# choice: length over width of the horizontal outline from which a thing is long
+LONG_ASPECT = 2.0
+# choice: outlines less long than this have no direction to turn to
+ROUND_ASPECT = 1.1
+# the paper's one stated angle, reached at 75 kPa; the relief of the real finger caps the force at 80 kPa
+FIRM_ANGLE_DEG = 95.0
+
 
 class ShapeKind(StrEnum):
-    """What the script tells apart: fingers go under round things, clamp upright ones, scoop long low ones."""
+    """What the script tells apart: fingers go under round things, around upright ones, over long low ones."""
 
     ROUND = "round"
     UPRIGHT = "upright"
@@ -18,75 +29,104 @@ class ShapeKind(StrEnum):
 
 
 @dataclass(frozen=True, kw_only=True)
-class GraspPlan:
-    """A top grasp in the object's frame (origin: mass centre; z up).
+class Outline:
+    """An object's shape as the script sees it.
 
     Attributes
     ----------
-    offset_m: palm centre relative to the object's centre along the palm's x axis (to the fingers).
-    palm_height_m: height of the palm's surface above the table.
-    yaw_rad: turn of the hand about the vertical, so that the fingers close over the object's short side.
+    kind: round, upright or long.
+    yaw_rad: turn about the vertical that lays the short horizontal side along x and the far end (a handle) to -y.
+    near_m: reach of the outline from the mass centre on the other side, +y.
+    height_m: height of the object as it stands.
+    """
+
+    kind: ShapeKind
+    yaw_rad: float
+    near_m: float
+    height_m: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class GraspPlan:
+    """A grasp pose for an object whose mass centre stands above the world's origin.
+
+    Attributes
+    ----------
+    wrist_pose: x, y, z (m), yaw, pitch, roll (rad), shape (6,).
+    retreat: unit vector, shape (3,), along which the hand backs off from the pose, and comes in.
     set_angle_deg: bending angle asked of thumb, index, middle-ring-little.
     """
 
     kind: ShapeKind
-    offset_m: float
-    palm_height_m: float
-    yaw_rad: float
-    set_angle_deg: tuple[float, float, float]
+    wrist_pose: tuple[float, ...]
+    retreat: tuple[float, ...]
+    set_angle_deg: tuple[float, float, float] = (FIRM_ANGLE_DEG, FIRM_ANGLE_DEG, FIRM_ANGLE_DEG)
 
-    def wrist_pose(self, object_xy_m: tuple[float, float]) -> npt.NDArray[np.float64]:
-        """Wrist target x, y, z (m), yaw, pitch, roll (rad) for an object expected at `object_xy_m`, shape (6,)."""
-        x = object_xy_m[0] + self.offset_m * np.cos(self.yaw_rad)
-        y = object_xy_m[1] + self.offset_m * np.sin(self.yaw_rad)
-        return np.array([x, y, self.palm_height_m, self.yaw_rad, 0.0, 0.0])
+    def standoff(self, distance_m: float) -> Vector:
+        """Return the wrist's pose `distance_m` before the grasp, shape (6,)."""
+        return np.array(self.wrist_pose) + distance_m * np.array([*self.retreat, 0.0, 0.0, 0.0])
 
 
-# choice: a ball fills 0.52 of its box, an upright cylinder 0.79, a box 1
-ROUND_FILL = 0.65
-# choice: outlines less long than this have no direction to turn to
-ROUND_ASPECT = 1.1
-# choice: length over width of the horizontal outline from which a thing is long
-LONG_ASPECT = 2.0
-# the paper's one stated angle, reached at 75 kPa; the relief of the real finger caps the force at 80 kPa
-FIRM_ANGLE_DEG = 95.0
-
-
-def classify(model: ObjectModel) -> tuple[ShapeKind, float]:
-    """Return the shape's kind and the turn (rad) that lays its short horizontal side along the hand's x axis."""
+def outline(model: ObjectModel) -> Outline:
+    """Classify an object's shape and find its horizontal axes."""
     # about its long axis a body's moment of inertia is smallest
     _, axes = np.linalg.eigh(model.inertia_kg_m2[:2, :2])
-    outline = np.asarray(model.mesh.vertices)[:, :2] @ axes
-    long_m, short_m = outline.max(axis=0) - outline.min(axis=0)
-    aspect = float(long_m / short_m)
-    short_axis = axes[:, 1]
-    yaw = float(np.arctan2(short_axis[1], short_axis[0])) if aspect > ROUND_ASPECT else 0.0
-    # the short side has no sign: stay within a quarter turn
+    points = np.asarray(model.mesh.vertices)[:, :2]
+    along = points @ axes
+    long_m, short_m = np.ptp(along, axis=0)
+    yaw = float(np.arctan2(axes[1, 1], axes[0, 1])) if long_m > ROUND_ASPECT * short_m else 0.0
+    # the short side has no sign: stay within a quarter turn, then turn the far end away
     yaw = (yaw + np.pi / 2) % np.pi - np.pi / 2
-    fill = model.mesh.convex_hull.volume / float(long_m * short_m * model.extents_m[2])
-    if aspect > LONG_ASPECT and model.extents_m[2] < long_m:
-        return ShapeKind.LONG, yaw
-    return (ShapeKind.ROUND if fill < ROUND_FILL else ShapeKind.UPRIGHT), yaw
+    across = points @ np.array([-np.sin(yaw), np.cos(yaw)])
+    if across.max() > -across.min() + 1e-3:
+        yaw, across = yaw - np.sign(yaw or 1.0) * np.pi, -across
+    height_m = float(model.extents_m[2])
+    fill = model.mesh.convex_hull.volume / (long_m * short_m * height_m)
+    if long_m > LONG_ASPECT * short_m and height_m < long_m:
+        kind = ShapeKind.LONG
+    else:
+        kind = ShapeKind.ROUND if fill < ROUND_FILL else ShapeKind.UPRIGHT
+    return Outline(kind=kind, yaw_rad=float(yaw), near_m=float(across.max()), height_m=height_m)
 
 
 def plan_grasp(model: ObjectModel) -> GraspPlan:
-    """Return the scripted top grasp of an object standing in its rest pose.
+    """Return the scripted grasp of an object standing in its rest pose.
 
-    The heights and offsets are choices, found on plain spheres, cylinders and bent rods with a provisional
-    finger before any of the catalogue's objects was tried: below them the fingertips meet the table before
-    they are under a ball, above them they close over a cylinder's rim.
+    Distances are choices, found on plain spheres, a cylinder and a bent rod.
     """
-    kind, yaw = classify(model)
-    top_m = float(model.extents_m[2])
-    offset_m, palm_height_m = {
-        ShapeKind.ROUND: (-0.010, max(0.106, top_m + 0.030)),
-        ShapeKind.UPRIGHT: (0.002, max(0.092, top_m + 0.012)),
-        ShapeKind.LONG: (-0.020, max(0.100, top_m + 0.030)),
-    }[kind]
-    return GraspPlan(
-        kind=kind,
-        offset_m=offset_m,
-        palm_height_m=palm_height_m,
-        yaw_rad=yaw,
-        set_angle_deg=(FIRM_ANGLE_DEG, FIRM_ANGLE_DEG, FIRM_ANGLE_DEG),
-    )
+    seen = outline(model)
+    if seen.kind is ShapeKind.UPRIGHT:
+        return _from_the_side(seen)
+    if seen.kind is ShapeKind.ROUND:
+        return _from_above(seen, x_m=-0.010, palm_height_m=max(0.106, seen.height_m + 0.030))
+    return _from_above(seen, x_m=-0.020, palm_height_m=max(0.105, seen.height_m + 0.030))
+
+
+def _from_above(seen: Outline, *, x_m: float, palm_height_m: float) -> GraspPlan:
+    """Palm down; `x_m` shifts the palm along its own x axis, `palm_height_m` is that of its surface."""
+    turn = seen.yaw_rad
+    pose = (x_m * np.cos(turn), x_m * np.sin(turn), palm_height_m, turn, 0.0, 0.0)
+    return GraspPlan(kind=seen.kind, wrist_pose=pose, retreat=(0.0, 0.0, 1.0))
+
+
+def _from_the_side(seen: Outline) -> GraspPlan:
+    """Palm upright against the near side, little finger lowest: fingers and thumb close around the object.
+
+    Four fingers that press an object into the palm carry about twice what they carry against one thumb.
+    """
+    turn = seen.yaw_rad
+    # the palm's lower edge and the little finger clear the table by 6 mm; high things are held at 60 % of their height
+    height_m = max(0.046, 0.6 * seen.height_m)
+    x_m, y_m = SIDE_OFFSET_M, seen.near_m + SIDE_GAP_M
+    pose = (
+        x_m * np.cos(turn) - y_m * np.sin(turn),
+        x_m * np.sin(turn) + y_m * np.cos(turn),
+        height_m, turn, 0.0, -np.pi / 2,
+    )  # fmt: skip
+    return GraspPlan(kind=seen.kind, wrist_pose=pose, retreat=(-np.sin(turn), np.cos(turn), 0.0))
+
+
+# choice: middle of the opening between thumb and fingers at 40 mm from the palm
+SIDE_OFFSET_M = -0.005
+# choice: a gap that an object 10 mm too near closes by being pushed, and 10 mm too far by being pulled in
+SIDE_GAP_M = 0.004

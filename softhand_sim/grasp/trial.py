@@ -10,7 +10,7 @@ from softhand_sim.calibration import FingerCalibration
 from softhand_sim.control.elements import ELEMENTS
 from softhand_sim.grasp.place import place_object
 from softhand_sim.grasp.protocol import LiftProtocol
-from softhand_sim.grasp.record import Recorder, Vector
+from softhand_sim.grasp.record import Recorder
 from softhand_sim.grasp.scripted import GraspPlan, plan_grasp
 from softhand_sim.grasp.verdict import Outcome, Thresholds, judge
 from softhand_sim.hand.scene import EngineSettings, Scene, build_scene
@@ -86,11 +86,10 @@ def run_trial(
     rng = np.random.default_rng(seed)
     offset = setup.protocol.draw_offset(rng)
     simulation = HandSimulation(model=setup.scene.model, calibration=setup.calibration)
-    grasp = setup.plan.wrist_pose((0.0, 0.0))
-    simulation.reset(rng, grasp + np.array([0, 0, setup.protocol.approach_m, 0, 0, 0]))
+    simulation.reset(rng, setup.plan.standoff(setup.protocol.approach_m))
     place_object(simulation, setup.model.rest_height_m, offset)
     recorder = Recorder.of(simulation, setup.model.rest_height_m)
-    for phase in _phases(setup, simulation, recorder, grasp):
+    for phase in _phases(setup, simulation, recorder):
         while not phase():
             _advance(simulation, recorder)
             if watch is not None:
@@ -108,11 +107,10 @@ def _advance(simulation: HandSimulation, recorder: Recorder) -> None:
     recorder.sample(simulation)
 
 
-def _phases(
-    setup: TrialSetup, simulation: HandSimulation, recorder: Recorder, grasp: Vector
-) -> Iterator[Callable[[], bool]]:
+def _phases(setup: TrialSetup, simulation: HandSimulation, recorder: Recorder) -> Iterator[Callable[[], bool]]:
     """Give each phase's command, then yield the question whether it is over."""
     protocol, data = setup.protocol, simulation.data
+    grasp = setup.plan.standoff(0.0)
 
     def until(end_s: float) -> Callable[[], bool]:
         return lambda: bool(data.time >= end_s)

@@ -54,7 +54,9 @@ class ShapeGeometry:
 def surface(vertices: npt.ArrayLike, faces: npt.ArrayLike) -> trimesh.Trimesh:
     """Return a mesh of exactly these triangles: nothing merged, reordered or dropped."""
     return trimesh.Trimesh(
-        vertices=np.asarray(vertices, dtype=np.float64), faces=np.asarray(faces, dtype=np.int64), process=False
+        vertices=np.asarray(vertices, dtype=np.float64),
+        faces=np.asarray(faces, dtype=np.int64),
+        process=False,
     )
 
 
@@ -66,7 +68,8 @@ def hull(points: npt.ArrayLike) -> trimesh.Trimesh:
 def join_rings(first: npt.ArrayLike, second: npt.ArrayLike) -> IntArray:
     """Return triangles, shape (2n, 3), between two closed rings of n vertex indices each.
 
-    With both rings anticlockwise seen against the direction first -> second, the normals point out of the tube.
+    With both rings anticlockwise seen against the direction first -> second, the normals point out of the
+    tube.
     """
     a, b = np.asarray(first, dtype=np.int64), np.asarray(second, dtype=np.int64)
     a_next, b_next = np.roll(a, -1), np.roll(b, -1)

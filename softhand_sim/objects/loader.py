@@ -23,12 +23,13 @@ def load_mesh_object(
     friction: float = DEFAULT_FRICTION,
     scale: float = 1.0,
     name: str | None = None,
+    keep_upright: bool = False,
 ) -> ObjectModel:
     """Return an object from an OBJ, STL, PLY, GLB, glTF or OFF file.
 
-    The mesh is checked, repaired, split into convex parts (cached), laid down in its most probable resting pose and
-    moved to its mass centre. Mass centre and inertia are those of the enclosed solid at uniform density, or of the
-    convex parts if the surface stays open.
+    The mesh is checked, repaired, split into convex parts (cached), laid down in its most probable resting
+    pose and moved to its mass centre. Mass centre and inertia are those of the enclosed solid at uniform
+    density, or of the convex parts if the surface stays open.
 
     Parameters
     ----------
@@ -39,6 +40,8 @@ def load_mesh_object(
         Factor from the file's unit to metres.
     name : str, optional
         Default: the file's name without its ending.
+    keep_upright : bool
+        Take the stable pose nearest to the file's own (z up) instead of the most probable one: a mug then stands.
 
     Raises
     ------
@@ -54,7 +57,7 @@ def load_mesh_object(
     try:
         parts = convex_parts(mesh)
         properties = mass_properties(mesh) if is_closed(mesh) and mesh.volume > 0.0 else combined(parts)
-        turn = resting_rotation(np.vstack([part.vertices for part in parts]), properties.centre_m)
+        turn = resting_rotation(np.vstack([part.vertices for part in parts]), properties.centre_m, keep_upright)
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from error
     if len(mesh.faces) > VISUAL_FACES:
@@ -75,7 +78,7 @@ def load_mesh_object(
     )
 
 
-def resting_rotation(points: FloatArray, centre: FloatArray) -> FloatArray:
+def resting_rotation(points: FloatArray, centre: FloatArray, keep_upright: bool) -> FloatArray:
     """Return the smallest rotation, shape (3, 3), that lays a body down in its most probable resting pose.
 
     Parameters
@@ -84,6 +87,8 @@ def resting_rotation(points: FloatArray, centre: FloatArray) -> FloatArray:
         Of the surface that touches the table.
     centre : ndarray, shape (3,)
         Mass centre.
+    keep_upright : bool
+        Take the stable pose with the smallest rotation instead of the most probable one.
 
     Raises
     ------
@@ -92,19 +97,18 @@ def resting_rotation(points: FloatArray, centre: FloatArray) -> FloatArray:
 
     Notes
     -----
-    Quasi-static drop probabilities over the hull's facets, K. Goldberg et al., IJRR 18(5), 1999, as implemented in
-    trimesh; without sampling, so the same on every call.
+    Quasi-static drop probabilities over the hull's facets, K. Goldberg et al., IJRR 18(5), 1999, as
+    implemented in trimesh; without sampling, so the same on every call.
     """
     outer = hull(points)
     gaps = np.einsum("ij,ij->i", outer.face_normals, centre - outer.triangles_center)
     if np.any(gaps >= 0.0):
         raise ValueError("the mass centre lies outside the hull of the convex parts")
     poses, _ = trimesh.poses.compute_stable_poses(outer, center_mass=centre, sigma=0.0, n_samples=1, seed=0)
-    up = np.asarray(poses[0][2, :3], dtype=np.float64)
+    ups = np.asarray(poses, dtype=np.float64)[:, 2, :3]
+    up = ups[int(np.argmax(ups[:, 2]))] if keep_upright else ups[0]
     return np.asarray(Rotation.align_vectors([[0.0, 0.0, 1.0]], [up])[0].as_matrix(), dtype=np.float64)
 
 
 def _turned(mesh: trimesh.Trimesh, rotation: FloatArray) -> trimesh.Trimesh:
-    return trimesh.Trimesh(
-        vertices=np.asarray(mesh.vertices) @ rotation.T, faces=np.asarray(mesh.faces), process=False
-    )
+    return trimesh.Trimesh(vertices=np.asarray(mesh.vertices) @ rotation.T, faces=np.asarray(mesh.faces), process=False)

@@ -29,7 +29,8 @@ class MassProperties:
 def is_closed(mesh: trimesh.Trimesh) -> bool:
     """Return whether every directed edge is cancelled by its opposite.
 
-    This is what the volume integrals need. It is weaker than watertight: edges shared by four triangles are allowed.
+    This is what the volume integrals need. It is weaker than watertight: edges shared by four triangles are
+    allowed.
     """
     edges = np.asarray(mesh.edges, dtype=np.int64)
     count = len(mesh.vertices)
@@ -40,8 +41,9 @@ def is_closed(mesh: trimesh.Trimesh) -> bool:
 def mass_properties(mesh: trimesh.Trimesh) -> MassProperties:
     """Return the mass properties of the solid inside a closed surface.
 
-    Sums signed tetrahedra from a point inside the bounding box; for a tetrahedron (0, a, b, c) of volume V the second
-    moment is V/20 (aa' + bb' + cc' + ss') with s = a + b + c (exact for polynomials of degree two).
+    Sums signed tetrahedra from a point inside the bounding box; for a tetrahedron (0, a, b, c) of volume V
+    the second moment is V/20 (aa' + bb' + cc' + ss') with s = a + b + c (exact for polynomials of degree
+    two).
 
     Raises
     ------

@@ -24,15 +24,15 @@ class ContactSettings:
     condim : {1, 3, 4, 6}
         4: sliding and torsional friction, for soft pads (choice of the project's grasp study).
     patch_radius_m : float
-        Radius of the contact patch a of a soft pad; the torsional friction is 2/3 mu a (disc under uniform pressure).
-        choice: 4 mm, half a fingertip's radius.
+        Radius of the contact patch a of a soft pad; the torsional friction is 2/3 mu a (disc under uniform
+        pressure). choice: 4 mm, half a fingertip's radius.
     rolling_friction_m : float
         Used with condim 6 only. Default: MuJoCo's.
     time_constant_s, damping_ratio : float
         MuJoCo's solref. choice: 6 ms, MuJoCo's maintainers advise 4 to 10 ms for grasping.
     priority : int
-        Above the default 0, so that the object's own friction holds in each of its contacts, instead of the larger of
-        the two bodies' values: an oiled object is slippery however rough the finger is.
+        Above the default 0, so that the object's own friction holds in each of its contacts, instead of the
+        larger of the two bodies' values: an oiled object is slippery however rough the finger is.
     contype, conaffinity : int
         MuJoCo's contact bit masks.
 
@@ -71,9 +71,9 @@ def attach_object(
 ) -> "mjcf.Element":
     """Add the object to a model as a free body at the origin, and return the body's element.
 
-    The body's frame is the object's canonical frame; put it at z = table height + `model.rest_height_m` to rest. Its
-    elements are called `<name>` (body), `<name>_joint`, `<name>_visual` (group 2, no contact, no mass) and
-    `<name>_collision_<i>` (group 3). Geometry is written inline, so the model needs no files.
+    The body's frame is the object's canonical frame; put it at z = table height + `model.rest_height_m` to
+    rest. Its elements are called `<name>` (body), `<name>_joint`, `<name>_visual` (group 2, no contact, no
+    mass) and `<name>_collision_<i>` (group 3). Geometry is written inline, so the model needs no files.
 
     Raises
     ------

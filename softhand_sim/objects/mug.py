@@ -1,7 +1,7 @@
 """The mug: a hollow cup with a bottom and a strap handle, one closed surface without any boolean operation.
 
-The cup's outer wall is a grid in angle and height with two rectangular windows left open; the handle is a tube whose
-first and last ring are the rims of those windows.
+The cup's outer wall is a grid in angle and height with two rectangular windows left open; the handle is a
+tube whose first and last ring are the rims of those windows.
 """
 
 from dataclasses import dataclass
@@ -85,8 +85,8 @@ def mug(
 ) -> ShapeGeometry:
     """Return an upright mug: axis z, table at z = 0, handle towards +x, half-way up.
 
-    The handle's centre line is half an ellipse from wall to wall; its outside reaches `handle_reach_m` from the wall
-    and spans `handle_height_m`. Its section is a rectangle, `strap_width_m` along y.
+    The handle's centre line is half an ellipse from wall to wall; its outside reaches `handle_reach_m` from
+    the wall and spans `handle_height_m`. Its section is a rectangle, `strap_width_m` along y.
 
     Raises
     ------

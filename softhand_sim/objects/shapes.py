@@ -43,9 +43,7 @@ def sphere(*, diameter_m: float, wall_thickness_m: float) -> ShapeGeometry:
     if inner_radius > 0.0:
         vertices = np.vstack([outer.vertices, inner_radius * ball.vertices])
         mesh = surface(vertices, np.vstack([ball.faces, ball.faces[:, ::-1] + len(ball.vertices)]))
-    return ShapeGeometry(
-        mesh=mesh, convex_parts=(outer,), primitive=Primitive(kind="sphere", size_m=(radius,))
-    )
+    return ShapeGeometry(mesh=mesh, convex_parts=(outer,), primitive=Primitive(kind="sphere", size_m=(radius,)))
 
 
 def cylinder(*, diameter_m: float, height_m: float) -> ShapeGeometry:
@@ -59,9 +57,7 @@ def cylinder(*, diameter_m: float, height_m: float) -> ShapeGeometry:
     _positive(diameter_m=diameter_m, height_m=height_m)
     radius, half = diameter_m / 2.0, height_m / 2.0
     mesh = revolve(np.array([0.0, radius, radius, 0.0]), np.array([-half, -half, half, half]), SECTORS)
-    return ShapeGeometry(
-        mesh=mesh, convex_parts=(mesh,), primitive=Primitive(kind="cylinder", size_m=(radius, half))
-    )
+    return ShapeGeometry(mesh=mesh, convex_parts=(mesh,), primitive=Primitive(kind="cylinder", size_m=(radius, half)))
 
 
 def box(*, depth_m: float, width_m: float, height_m: float) -> ShapeGeometry:
@@ -90,8 +86,9 @@ def apple_profile(
 ) -> tuple[FloatArray, FloatArray]:
     """Return radius and height, both shape (n,), of the apple's outline at polar angles from the top, shape (n,).
 
-    r = a sin t (1 + k cos t), z = c cos t - sgn(cos t) d exp(-(sin t / s)^2): an ellipse, tapered, with a Gaussian
-    dimple at each pole (our own closed form). a, c, d follow from the diameter, height and dimple depth wanted.
+    r = a sin t (1 + k cos t), z = c cos t - sgn(cos t) d exp(-(sin t / s)^2): an ellipse, tapered, with a
+    Gaussian dimple at each pole (our own closed form). a, c, d follow from the diameter, height and dimple
+    depth wanted.
     """
     t = np.linspace(0.0, np.pi, 4001)
     half = height_m / 2.0
@@ -111,7 +108,12 @@ def apple_profile(
 
 
 def apple(
-    *, diameter_m: float, height_m: float, dimple_depth_m: float, dimple_width_ratio: float, taper_ratio: float
+    *,
+    diameter_m: float,
+    height_m: float,
+    dimple_depth_m: float,
+    dimple_width_ratio: float,
+    taper_ratio: float,
 ) -> ShapeGeometry:
     """Return an apple: a body of revolution with a dimple at each pole; collisions see its hull (dimples filled).
 
@@ -143,14 +145,13 @@ def apple(
     return ShapeGeometry(mesh=mesh, convex_parts=(hull(coarse.vertices),))
 
 
-def banana(
-    *, length_m: float, diameter_m: float, arc_radius_m: float, taper_exponent: float
-) -> ShapeGeometry:
+def banana(*, length_m: float, diameter_m: float, arc_radius_m: float, taper_exponent: float) -> ShapeGeometry:
     """Return a banana lying on its side: tips at +-x, outer bulge to +y, flat underside.
 
     Circular sections of radius w(u) = (diameter/2) sqrt(1 - |u|^p), u from -1 to 1 along a circular arc of
-    `arc_radius_m` whose chord is `length_m`; each stands normal to the arc and is lowered onto the table. By Pappus the
-    volume is pi (diameter/2)^2 L p/(p+1) with L the length of the arc (the lowering is within the section's plane).
+    `arc_radius_m` whose chord is `length_m`; each stands normal to the arc and is lowered onto the table.
+    By Pappus the volume is pi (diameter/2)^2 L p/(p+1) with L the length of the arc (the lowering is within
+    the section's plane).
 
     Raises
     ------
