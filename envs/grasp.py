@@ -1,7 +1,7 @@
 """``SoftHandGrasp-v0``: reach, close, lift, hold."""
 
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -38,7 +38,7 @@ class SoftHandGraspEnv(gymnasium.Env[Vector, Vector]):
     |---|---|---|---|---|
     | 0 | set pressure, thumb | `thumb_pressure` | 0 Pa | 80 kPa gauge |
     | 1 | set pressure, index | `index_pressure` | 0 Pa | 80 kPa gauge |
-    | 2 | set pressure, middle + ring + little | `middle_pressure`, `ring_pressure`, `little_pressure` | 0 Pa | 80 kPa gauge |
+    | 2 | set pressure, middle + ring + little | `middle_pressure` ... | 0 Pa | 80 kPa gauge |
     | 3, 4, 5 | wrist velocity along x, y, z | `wrist_x`, `wrist_y`, `wrist_z` | -0.1 m/s | 0.1 m/s |
     | 6, 7, 8 | turning rate in yaw, pitch, roll | `wrist_yaw`, `wrist_pitch`, `wrist_roll` | -1 rad/s | 1 rad/s |
 
@@ -53,7 +53,7 @@ class SoftHandGraspEnv(gymnasium.Env[Vector, Vector]):
     | 3 - 5 | set pressure per element | - | kPa gauge | 0 to 150 |
     | 6 - 8 | wrist position x, y, z | `wrist_x` ... | m | -1 to 1 |
     | 9 - 11 | wrist yaw, pitch, roll | `wrist_yaw` ... | rad | -4 to 4 |
-    | 12 - 26 | joint angles, finger by finger (thumb to little), proximal to distal | `thumb_proximal` ... | rad | -2 to 3 |
+    | 12 - 26 | joint angles, thumb to little, proximal to distal each | `thumb_proximal` ... | rad | -2 to 3 |
     | 27 - 29 | object's mass centre in the palm's frame | `object` | m | -3 to 3 |
     | 30 - 33 | object's orientation in the palm's frame, quaternion w, x, y, z with w >= 0 | `object` | 1 | -1 to 1 |
     | 34 | object's height above its rest on the table | `object` | m | -3 to 3 |
@@ -87,7 +87,10 @@ class SoftHandGraspEnv(gymnasium.Env[Vector, Vector]):
     v0: first version.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array"], "render_fps": round(1.0 / CONTROL_S)}
+    metadata: dict[str, Any] = {  # noqa: RUF012 - Gymnasium declares it so
+        "render_modes": ["rgb_array"],
+        "render_fps": round(1.0 / CONTROL_S),
+    }
 
     def __init__(
         self,
@@ -116,9 +119,7 @@ class SoftHandGraspEnv(gymnasium.Env[Vector, Vector]):
         self.observation_space = spaces.Box(low, high, dtype=np.float64)
         self.action_space = spaces.Box(-1.0, 1.0, (ACTION_SIZE,), dtype=np.float64)
 
-    def reset(
-        self, *, seed: int | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[Vector, dict[str, Any]]:
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Vector, dict[str, Any]]:
         """Start a new episode; see the class for `options`.
 
         Raises
@@ -157,7 +158,7 @@ class SoftHandGraspEnv(gymnasium.Env[Vector, Vector]):
         away = float(np.linalg.norm(simulation.data.xpos[self._body] - self._home))
         return self._observation(), self._reward(), away > OUT_OF_REACH_M, False, self._info()
 
-    def render(self) -> npt.NDArray[np.uint8] | None:  # type: ignore[override]
+    def render(self) -> npt.NDArray[np.uint8] | None:
         """Return an RGB picture, shape (480, 640, 3), uint8; None without ``render_mode="rgb_array"``.
 
         Raises

@@ -5,11 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fea.arrays import F64
+from fea.arrays import F64, Bool
 from fea.assembly import Load, SolidModel
 from fea.cavity import Cavity
 from fea.geometry import FingerGeometry
 from fea.lattice import VOID, Lattice, SolidMesh, build_mesh, free_faces, split, symmetry_nodes
+from fea.linear_solver import SymmetricSolver
 from fea.materials import Material
 from fea.newton import NewtonOptions, Status, follow
 
@@ -38,8 +39,11 @@ class ActuatorMesh:
 class ActuatorResult:
     """Arrays over the pressures that converged, starting with the unloaded state.
 
-    ``elongation`` is a ratio to the actuator's length, ``radial_growth_m`` the mean of the outer surface at mid-length
+    ``elongation`` is the ratio of the lengthening to the chamber's length (the rigid cap does not stretch), ``radial_growth_m`` the mean of the outer surface at mid-length
     over two pitches, ``max_stretch`` the largest principal stretch of the silicone, ``volume_m3`` the whole chamber's.
+    ``thrust_area_m2`` is dV/d(lengthening) at constant pressure, that is the thrust of the blocked tip per unit
+    pressure. It is smaller than the slope of V along the free path, where silicone also bulges between the rings
+    because the pressure rises; that part of V does no work on the finger.
     """
 
     pressure_pa_gauge: F64
@@ -48,6 +52,7 @@ class ActuatorResult:
     volume_m3: F64
     radial_growth_m: F64
     max_stretch: F64
+    thrust_area_m2: F64
     status: Status
     iterations: int
     dofs: int
@@ -132,14 +137,15 @@ def analyse_actuator(
         on_target=record,
         extrapolate=True,
     )
-    pressure, lengthening, volume, growth, stretch = np.array(rows).T
+    pressure, lengthening, volume, growth, stretch, area = np.array(rows).T
     return ActuatorResult(
         pressure_pa_gauge=pressure,
-        elongation=lengthening / geometry.actuator_length_m,
+        elongation=lengthening / geometry.chamber_length_m,
         lengthening_m=lengthening,
         volume_m3=volume,
         radial_growth_m=growth,
         max_stretch=stretch,
+        thrust_area_m2=area,
         status=outcome.status,
         iterations=outcome.iterations,
         dofs=len(model.free),
@@ -158,4 +164,22 @@ def _measure(model: SolidModel, geometry: FingerGeometry, pressure: float, u_m: 
     assert model.cavity is not None
     volume = 2.0 * model.cavity.volume_m3(solid.points_m + u_m)
     stretch = model.max_stretch(u_m, SILICONE)
-    return [pressure, float(u_m[top, 2].mean()), volume, float(growth.mean()), stretch]
+    area = _thrust_area(model, top, u_m, pressure)
+    return [pressure, float(u_m[top, 2].mean()), volume, float(growth.mean()), stretch, area]
+
+
+def _thrust_area(model: SolidModel, top: Bool, u_m: F64, pressure: float) -> float:
+    """Return dV/d(lengthening) at constant pressure from the response to a small axial force on the cap."""
+    state = model.evaluate(u_m, Load(pressure_pa_gauge=pressure))
+    if state is None or state.tangent is None or model.cavity is None:
+        raise ValueError("u_m: not an admissible state of the actuator")
+    axial = np.zeros((len(top), 3))
+    axial[top, 2] = 1.0 / np.count_nonzero(top)
+    axial_free = axial.ravel()[model.free]
+    solver = SymmetricSolver()
+    response = solver.solve(state.tangent, axial_free)
+    solver.close()
+    if response is None:
+        raise ValueError("u_m: the tangent is singular at this state")
+    volume_gradient = model.cavity.derivatives(model.mesh.points_m + u_m)[0].ravel()[model.free]
+    return 2.0 * float(volume_gradient @ response) / float(axial_free @ response)

@@ -16,9 +16,7 @@ class Parser(argparse.ArgumentParser):
     """Command line with examples kept as written, and one line on a wrong call."""
 
     def __init__(self, *, description: str | None, examples: str) -> None:
-        super().__init__(
-            description=description, epilog=examples, formatter_class=argparse.RawDescriptionHelpFormatter
-        )
+        super().__init__(description=description, epilog=examples, formatter_class=argparse.RawDescriptionHelpFormatter)
 
     def error(self, message: str) -> NoReturn:
         """Say what is wrong in one line and exit with status 2."""
@@ -76,12 +74,17 @@ def check_writable(path: Path | None) -> None:
         raise ValueError(f"--json {path}: not a writable file")
 
 
-def write_json(path: Path, data: dict[str, Any]) -> None:
-    """Write `data` in one piece: a reader sees the whole file or none."""
+def write_text(path: Path, text: str) -> None:
+    """Write `text` in one piece: a reader sees the whole file or none."""
     path.parent.mkdir(parents=True, exist_ok=True)
     partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
-    partial.write_text(json.dumps(data, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+    partial.write_text(text, encoding="utf-8")
     partial.replace(path)
+
+
+def write_json(path: Path, data: dict[str, Any]) -> None:
+    """Write `data` as JSON in one piece; refuses NaN and infinity."""
+    write_text(path, json.dumps(data, indent=1, allow_nan=False) + "\n")
 
 
 def run(job: Callable[[Sequence[str] | None], int], argv: Sequence[str] | None = None) -> int:

@@ -68,9 +68,7 @@ class FingerCalibration:
 
     def elongation_m(self, joint_angle_rad: tuple[float, float, float]) -> float:
         """Return the tendon's elongation ``sum r_i theta_i`` [m] at the joint angles [rad], (3,)."""
-        return math.fsum(
-            joint.offset_m * angle for joint, angle in zip(self.joints, joint_angle_rad, strict=True)
-        )
+        return math.fsum(joint.offset_m * angle for joint, angle in zip(self.joints, joint_angle_rad, strict=True))
 
     def pressure_for_angle(self, angle_deg: float) -> float:
         """Return the pressure [Pa gauge] at which the tip angle is ``angle_deg``, linear between points.
@@ -90,9 +88,7 @@ class FingerCalibration:
         ValueError
             If the pressure is outside the curve.
         """
-        return _look_up(
-            "pressure_pa_gauge", pressure_pa_gauge, self.curve.pressure_pa_gauge, self.curve.tip_angle_deg
-        )
+        return _look_up("pressure_pa_gauge", pressure_pa_gauge, self.curve.pressure_pa_gauge, self.curve.tip_angle_deg)
 
 
 def _look_up(name: str, x: float, xs: npt.NDArray[np.float64], ys: npt.NDArray[np.float64]) -> float:

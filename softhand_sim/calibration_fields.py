@@ -49,9 +49,7 @@ class Fields:
         value = self.value(name)
         if not isinstance(value, list) or len(value) != count or not all(isinstance(v, dict) for v in value):
             raise self.error(name, value, f"a list of {count} objects")
-        return tuple(
-            Fields(path=self.path, place=f"{self.place}{name}[{k}].", raw=v) for k, v in enumerate(value)
-        )
+        return tuple(Fields(path=self.path, place=f"{self.place}{name}[{k}].", raw=v) for k, v in enumerate(value))
 
     def text(self, name: str) -> str:
         """Return a field that is a string."""

@@ -31,9 +31,7 @@ class JointCalibration:
         c = require_finite("stiffness_n_m_per_rad3", self.stiffness_n_m_per_rad3, at_least=0.0)
         # a + 2 b q + 3 c q^2 >= 0 for all q; the margin is for decimal rounding of a fit on the boundary
         if b * b > 3.0 * a * c * (1.0 + 1e-9):
-            raise ValueError(
-                f"stiffness_n_m_per_rad2 = {b!r}: torque must be monotone, b^2 <= 3 a c = {3.0 * a * c:g}"
-            )
+            raise ValueError(f"stiffness_n_m_per_rad2 = {b!r}: torque must be monotone, b^2 <= 3 a c = {3.0 * a * c:g}")
 
     @property
     def polynomial(self) -> tuple[float, float, float]:
@@ -104,9 +102,7 @@ class FingerBody:
         x = self.joint_position_m
         ends = (0.0, *x, self.length_m)
         if len(x) != len(JOINTS) or not all(low < high for low, high in pairwise(ends)):
-            raise ValueError(
-                f"joint_position_m = {list(x)}: must be 3 increasing positions in (0, {self.length_m:g})"
-            )
+            raise ValueError(f"joint_position_m = {list(x)}: must be 3 increasing positions in (0, {self.length_m:g})")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -3,9 +3,7 @@
 import math
 
 
-def require_finite(
-    name: str, value: float, *, above: float | None = None, at_least: float | None = None
-) -> float:
+def require_finite(name: str, value: float, *, above: float | None = None, at_least: float | None = None) -> float:
     """Return ``value`` if it is a finite number above (or at least) a bound.
 
     Raises

@@ -16,7 +16,7 @@ Picture = npt.NDArray[np.uint8]
 
 
 class RenderUnavailableError(RuntimeError):
-    """This machine has no OpenGL library that could draw; the message says what to install."""
+    """The machine has no OpenGL library that could draw; the message says what to install."""
 
 
 class Camera:
@@ -48,7 +48,9 @@ class Camera:
         self.close()
 
 
-def around(point_m: npt.NDArray[np.float64], *, distance_m: float = 0.42, azimuth_deg: float = 125.0) -> mujoco.MjvCamera:
+def around(
+    point_m: npt.NDArray[np.float64], *, distance_m: float = 0.42, azimuth_deg: float = 125.0
+) -> mujoco.MjvCamera:
     """Return a free camera that looks at `point_m`, shape (3,), from slightly above."""
     camera = mujoco.MjvCamera()
     camera.lookat[:] = point_m

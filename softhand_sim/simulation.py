@@ -1,7 +1,6 @@
 """The hand in time: engine, pneumatics and wrist stepped together."""
 
 from dataclasses import dataclass, field
-from functools import cached_property
 
 import mujoco
 import numpy as np
@@ -95,9 +94,9 @@ class HandSimulation:
 
     def chamber_volumes_m3(self) -> Vector:
         """Volume of each finger's chamber, shape (5,): V(delta) at the tendon's present length."""
-        delta = self.data.ten_length[self.index.tendon]
+        delta = np.asarray(self.data.ten_length[self.index.tendon])
         chamber = self.calibration.chamber
-        return chamber.volume_m3 + delta * (chamber.area_m2 + 0.5 * chamber.area_slope_m * delta)
+        return np.asarray(chamber.volume_m3 + delta * (chamber.area_m2 + 0.5 * chamber.area_slope_m * delta))
 
     @property
     def wrist_arrived(self) -> bool:

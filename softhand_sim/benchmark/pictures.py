@@ -3,9 +3,10 @@
 from pathlib import Path
 
 import numpy as np
+from PIL import Image
 
-from softhand_sim.calibration import load_calibration
 from softhand_sim.benchmark.runner import BenchmarkPlan
+from softhand_sim.calibration import load_calibration
 from softhand_sim.grasp.trial import TrialResult, prepare, run_trial
 from softhand_sim.render import Camera, Picture, around, save_png
 from softhand_sim.simulation import HandSimulation
@@ -15,7 +16,9 @@ BEFORE_END_S = 1.0
 
 
 def draw(plan: BenchmarkPlan, results: list[TrialResult], folder: Path) -> list[Path]:
-    """Draw one picture per object into `folder` and return the files; a held trial where there is one.
+    """Draw one picture per object into `folder`, and all of them on one sheet; return the files.
+
+    A held trial is drawn where there is one.
 
     Raises
     ------
@@ -34,11 +37,21 @@ def draw(plan: BenchmarkPlan, results: list[TrialResult], folder: Path) -> list[
 
             def watch(simulation: HandSimulation) -> None:
                 if not taken and simulation.data.time >= at_s:  # noqa: B023 - called within this turn of the loop
-                    palm = simulation.data.xpos[simulation.index.palm_body] - np.array([0, 0, 0.06])
-                    taken.append(camera.picture(simulation.data, around(palm)))  # noqa: B023
+                    centre = simulation.data.site("grasp").xpos
+                    taken.append(camera.picture(simulation.data, around(centre)))  # noqa: B023
 
             run_trial(setup, shown.seed, watch)
         if taken:
             files.append(folder / f"{model.name}.png")
             save_png(files[-1], taken[0])
+    if len(files) > 1:
+        files.append(folder / "all.png")
+        save_png(files[-1], _sheet([np.asarray(Image.open(file)) for file in files[:-1]]))
     return files
+
+
+def _sheet(pictures: list[Picture]) -> Picture:
+    """Return the pictures in rows of three, at half size, the last row filled up in white."""
+    small = [picture[::2, ::2] for picture in pictures]
+    small += [np.full_like(small[0], 255)] * (-len(small) % 3)
+    return np.vstack([np.hstack(small[start : start + 3]) for start in range(0, len(small), 3)])

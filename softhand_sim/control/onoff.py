@@ -9,9 +9,7 @@ from softhand_sim.control.elements import ELEMENTS
 from softhand_sim.control.protocol import ControllerState, ValveCommand
 from softhand_sim.pneumatics.gas import AMBIENT_PA_ABS
 
-_MEMORY = (
-    5  # inlet open, outlet open, last reading, rise of the last inlet pulse, fall of the last outlet pulse
-)
+_MEMORY = 5  # inlet open, outlet open, last reading, rise of the last inlet pulse, fall of the last outlet pulse
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,5 +1,6 @@
 """A scripted grasp, chosen from the object's shape alone (never from its name)."""
 
+import math
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -99,13 +100,13 @@ def plan_grasp(model: ObjectModel) -> GraspPlan:
         return _from_the_side(seen)
     if seen.kind is ShapeKind.ROUND:
         return _from_above(seen, x_m=-0.010, palm_height_m=max(0.106, seen.height_m + 0.030))
-    return _from_above(seen, x_m=-0.020, palm_height_m=max(0.105, seen.height_m + 0.030))
+    return _from_above(seen, x_m=-0.010, palm_height_m=max(0.100, seen.height_m + 0.030))
 
 
 def _from_above(seen: Outline, *, x_m: float, palm_height_m: float) -> GraspPlan:
     """Palm down; `x_m` shifts the palm along its own x axis, `palm_height_m` is that of its surface."""
     turn = seen.yaw_rad
-    pose = (x_m * np.cos(turn), x_m * np.sin(turn), palm_height_m, turn, 0.0, 0.0)
+    pose = (x_m * math.cos(turn), x_m * math.sin(turn), palm_height_m, turn, 0.0, 0.0)
     return GraspPlan(kind=seen.kind, wrist_pose=pose, retreat=(0.0, 0.0, 1.0))
 
 
@@ -119,11 +120,11 @@ def _from_the_side(seen: Outline) -> GraspPlan:
     height_m = max(0.046, 0.6 * seen.height_m)
     x_m, y_m = SIDE_OFFSET_M, seen.near_m + SIDE_GAP_M
     pose = (
-        x_m * np.cos(turn) - y_m * np.sin(turn),
-        x_m * np.sin(turn) + y_m * np.cos(turn),
-        height_m, turn, 0.0, -np.pi / 2,
+        x_m * math.cos(turn) - y_m * math.sin(turn),
+        x_m * math.sin(turn) + y_m * math.cos(turn),
+        height_m, turn, 0.0, -math.pi / 2,
     )  # fmt: skip
-    return GraspPlan(kind=seen.kind, wrist_pose=pose, retreat=(-np.sin(turn), np.cos(turn), 0.0))
+    return GraspPlan(kind=seen.kind, wrist_pose=pose, retreat=(-math.sin(turn), math.cos(turn), 0.0))
 
 
 # choice: middle of the opening between thumb and fingers at 40 mm from the palm

@@ -71,9 +71,7 @@ def prepare(
     )
 
 
-def run_trial(
-    setup: TrialSetup, seed: int, watch: Callable[[HandSimulation], None] | None = None
-) -> TrialResult:
+def run_trial(setup: TrialSetup, seed: int, watch: Callable[[HandSimulation], None] | None = None) -> TrialResult:
     """Run one trial; the same setup and seed give the same result to the bit (but for `wall_s`).
 
     Parameters

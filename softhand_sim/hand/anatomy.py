@@ -107,6 +107,3 @@ class HandAnatomy:
         for name in ("hand_mass_kg", "wrist_speed_m_per_s", "wrist_rate_rad_per_s", "wrist_stiffness_n_per_m"):
             if not getattr(self, name) > 0.0:
                 raise ValueError(f"{name}: {getattr(self, name)} must be above 0")
-
-
-

@@ -58,9 +58,7 @@ def add_finger(palm: Any, name: str, calibration: FingerCalibration) -> list[Any
     return bodies
 
 
-def _add_phalanx_geoms(
-    body: Any, name: str, length_m: float, mass_kg: float, calibration: FingerCalibration
-) -> None:
+def _add_phalanx_geoms(body: Any, name: str, length_m: float, mass_kg: float, calibration: FingerCalibration) -> None:
     """Tube (structure) and pad (soft, first to touch) of one phalanx; both collide, only the tube has mass."""
     finger = calibration.finger
     radius, axis_x = finger.outer_radius_m, -finger.hinge_offset_m

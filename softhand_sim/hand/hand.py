@@ -18,7 +18,11 @@ WRIST = WRIST_SLIDES + WRIST_HINGES
 # choice: a workspace of half a metre either way, from the table up to 0.8 m; free turning
 SLIDE_RANGE_M = ((-0.5, 0.5), (-0.5, 0.5), (-0.1, 0.8))
 HINGE_RANGE_RAD = (-np.pi, np.pi)
-# the palm looks down when all wrist joints are zero
+# choice: clear of a table at z = 0 when the model is loaded; `ref` makes wrist_z the palm's height all the same
+START_HEIGHT_M = 0.25
+# choice: a small arm; keeps a wrist that is commanded far away from being thrown there
+SERVO_FORCE_N, SERVO_TORQUE_N_M = 50.0, 5.0
+# the palm looks down when all wrist angles are zero
 PALM_DOWN = (0.0, 1.0, 0.0, 0.0)
 
 
@@ -30,7 +34,7 @@ def add_hand(
 ) -> Any:
     """Add the hand to `root`'s world and return its palm body (frame: x to the fingers, z out of the palm)."""
     _add_defaults(root, contact)
-    palm = root.worldbody.add("body", name="palm", quat=PALM_DOWN)
+    palm = root.worldbody.add("body", name="palm", pos=(0, 0, START_HEIGHT_M), quat=PALM_DOWN)
     _add_wrist(root, palm, anatomy)
     moving = sum(_phalanx_mass_kg(calibration) for _ in FINGERS)
     palm_mass = anatomy.hand_mass_kg - moving
@@ -51,9 +55,7 @@ def _phalanx_mass_kg(calibration: FingerCalibration) -> float:
     return finger.mass_kg * (1.0 - finger.joint_position_m[0] / finger.length_m)
 
 
-def _add_mounted_finger(
-    palm: Any, name: str, calibration: FingerCalibration, anatomy: HandAnatomy
-) -> None:
+def _add_mounted_finger(palm: Any, name: str, calibration: FingerCalibration, anatomy: HandAnatomy) -> None:
     mount = anatomy.mounts[name]
     x, y, z, w = Rotation.from_matrix(mount.rotation()).as_quat()
     base = palm.add("body", name=f"{name}_base", pos=mount.base_m, quat=(w, x, y, z))
@@ -85,35 +87,47 @@ def _add_wrist(root: mjcf.RootElement, palm: Any, anatomy: HandAnatomy) -> None:
     """Three slides in the world's axes, then yaw, pitch, roll; each follows a position servo."""
     axes = np.eye(3)
     # the palm's frame is turned by PALM_DOWN: its own y and z are the world's -y and -z
-    flip = np.array([1.0, -1.0, -1.0])
+    flip = (1.0, -1.0, -1.0)
     for i, name in enumerate(WRIST_SLIDES):
         palm.add(
             "joint",
             name=name,
             type="slide",
-            axis=axes[i] * flip[i],
+            axis=flip[i] * axes[i] + 0.0,
             range=SLIDE_RANGE_M[i],
+            ref=START_HEIGHT_M if name == "wrist_z" else 0.0,
             armature=anatomy.wrist_armature_kg,
         )
-        _add_servo(root, name, anatomy.wrist_stiffness_n_per_m, anatomy.wrist_armature_kg, SLIDE_RANGE_M[i])
+        stiffness, inertia = anatomy.wrist_stiffness_n_per_m, anatomy.wrist_armature_kg
+        _add_servo(root, name, stiffness, inertia, SLIDE_RANGE_M[i], SERVO_FORCE_N)
     for i, name in zip((2, 1, 0), WRIST_HINGES, strict=True):
         palm.add(
             "joint",
             name=name,
             type="hinge",
-            axis=axes[i] * flip[i],
+            axis=flip[i] * axes[i] + 0.0,
             range=HINGE_RANGE_RAD,
             armature=anatomy.wrist_armature_kg_m2,
         )
-        _add_servo(
-            root, name, anatomy.wrist_stiffness_n_m_per_rad, anatomy.wrist_armature_kg_m2, HINGE_RANGE_RAD
-        )
+        stiffness, inertia = anatomy.wrist_stiffness_n_m_per_rad, anatomy.wrist_armature_kg_m2
+        _add_servo(root, name, stiffness, inertia, HINGE_RANGE_RAD, SERVO_TORQUE_N_M)
 
 
 def _add_servo(
-    root: mjcf.RootElement, name: str, stiffness: float, inertia: float, limits: tuple[float, float]
+    root: mjcf.RootElement,
+    name: str,
+    stiffness: float,
+    inertia: float,
+    limits: tuple[float, float],
+    strongest: float,
 ) -> None:
-    critical = 2.0 * float(np.sqrt(stiffness * inertia))
+    """Position servo, critically damped for the given inertia."""
     root.actuator.add(
-        "position", name=name, joint=name, kp=stiffness, kv=critical, ctrllimited=True, ctrlrange=limits
+        "position",
+        name=name,
+        joint=name,
+        kp=stiffness,
+        kv=2.0 * float(np.sqrt(stiffness * inertia)),
+        ctrlrange=limits,
+        forcerange=(-strongest, strongest),
     )

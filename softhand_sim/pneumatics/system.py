@@ -59,14 +59,10 @@ class PneumaticSystem:
 
     def __post_init__(self) -> None:
         if len(self.elements) != len(ELEMENTS):
-            raise ValueError(
-                f"elements: {len(self.elements)} given, must be {len(ELEMENTS)} ({', '.join(ELEMENTS)})"
-            )
+            raise ValueError(f"elements: {len(self.elements)} given, must be {len(ELEMENTS)} ({', '.join(ELEMENTS)})")
         require_finite("tick_s", self.tick_s, above=1e-4)
 
-    def reset(
-        self, volumes_m3: Values, rng: np.random.Generator, pressure_pa_gauge: float = 0.0
-    ) -> PneumaticState:
+    def reset(self, volumes_m3: Values, rng: np.random.Generator, pressure_pa_gauge: float = 0.0) -> PneumaticState:
         """Return the state with every element at one gauge pressure and all valves shut; a tick is due.
 
         Parameters
@@ -92,9 +88,7 @@ class PneumaticSystem:
             controller=self.controller.reset(),
         )
 
-    def step(
-        self, state: PneumaticState, volumes_m3: Values, set_pa_gauge: Values, dt: float
-    ) -> PneumaticState:
+    def step(self, state: PneumaticState, volumes_m3: Values, set_pa_gauge: Values, dt: float) -> PneumaticState:
         """Return the state after ``dt``, with the chambers' volumes held over it.
 
         A tick that falls inside the step splits it there, so valves switch at exactly 50 Hz whatever
@@ -140,15 +134,11 @@ class PneumaticSystem:
         """Return the state that ``PneumaticState.to_array`` saved under this system, bit for bit."""
         return state_from_array(flat, len(self.elements), len(self.controller.reset()))
 
-    def _flow(
-        self, state: PneumaticState, volumes: Sequence[float], dt: float, to_tick: float
-    ) -> PneumaticState:
+    def _flow(self, state: PneumaticState, volumes: Sequence[float], dt: float, to_tick: float) -> PneumaticState:
         """Advance the gas by ``dt`` with the valves as they are."""
         masses: list[float] = []
         pressures: list[float] = []
-        for element, mass, volume, valves in zip(
-            self.elements, state.mass_kg, volumes, state.valves, strict=True
-        ):
+        for element, mass, volume, valves in zip(self.elements, state.mass_kg, volumes, state.valves, strict=True):
             after = mass
             if valves.inlet_open or valves.outlet_open:
                 after = element.step(mass, volume, valves.inlet_open, valves.outlet_open, dt)
@@ -177,9 +167,7 @@ class PneumaticSystem:
             for element, mass, volume, draw in zip(self.elements, state.mass_kg, volumes, noise, strict=True)
         )
         valves, memory = self.controller.command(readings, sets, state.controller)
-        return state._replace(
-            ticks=state.ticks + 1, readings_pa_abs=readings, valves=valves, controller=memory
-        )
+        return state._replace(ticks=state.ticks + 1, readings_pa_abs=readings, valves=valves, controller=memory)
 
     def _check_sets(self, sets: Sequence[float]) -> None:
         if len(sets) != len(self.elements):

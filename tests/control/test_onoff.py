@@ -64,9 +64,7 @@ def test_release_vents_to_ambient():
 def test_never_both_open(lookahead):
     rng = np.random.default_rng(0)
     controller = OnOffController(lookahead=lookahead)
-    positions = drive(
-        controller, rng.uniform(0.0, 80e3, 5000).tolist(), rng.uniform(0.0, 80e3, 5000).tolist()
-    )
+    positions = drive(controller, rng.uniform(0.0, 80e3, 5000).tolist(), rng.uniform(0.0, 80e3, 5000).tolist())
     assert (True, True) not in positions
     assert {SHUT, FILL, VENT} == set(positions)
 
@@ -80,9 +78,7 @@ def test_elements_and_fingers_agree():
     assert ELEMENTS == ("thumb", "index", "middle_ring_little")
     assert [f for e in ELEMENTS for f in ELEMENT_FINGERS[e]] == list(FINGERS)
     values = [1.0, 20.0, 300.0, 4000.0, 50_000.0]
-    assert sum_over_fingers(values) == tuple(
-        sum(values[f] for f in members) for members in FINGERS_OF_ELEMENT
-    )
+    assert sum_over_fingers(values) == tuple(sum(values[f] for f in members) for members in FINGERS_OF_ELEMENT)
     assert spread_to_fingers([7.0, 8.0, 9.0]) == tuple([7.0, 8.0, 9.0][k] for k in ELEMENT_OF_FINGER)
 
 

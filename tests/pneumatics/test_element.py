@@ -131,9 +131,7 @@ def test_step_gains_exactly_what_flows():
     """Each step's mass change is the flow at its end pressure times dt: nothing is lost in the root find."""
     rng = np.random.default_rng(3)
     element = Element()
-    for pressure, dt in zip(
-        rng.uniform(9e4, 2.6e5, 300).tolist(), rng.uniform(1e-4, 0.02, 300).tolist(), strict=True
-    ):
+    for pressure, dt in zip(rng.uniform(9e4, 2.6e5, 300).tolist(), rng.uniform(1e-4, 0.02, 300).tolist(), strict=True):
         mass = element.mass_kg(pressure, V0)
         after = element.step(mass, V0, True, True, dt)
         end = element.pressure_pa_abs(after, V0)

@@ -46,8 +46,7 @@ def test_saturation():
 def test_noise_has_the_stated_deviation_and_comes_from_the_generator():
     sensor = PressureSensor(noise_v=0.05)  # ten counts, so that quantisation hardly widens it
     readings = [
-        [sensor.sample_pa_abs(150e3, rng) for _ in range(4000)]
-        for rng in (np.random.default_rng(7) for _ in range(2))
+        [sensor.sample_pa_abs(150e3, rng) for _ in range(4000)] for rng in (np.random.default_rng(7) for _ in range(2))
     ]
     assert readings[0] == readings[1]
     assert np.std(readings[0]) == pytest.approx(0.05 / (5.0 * 0.004e-3), rel=0.05)

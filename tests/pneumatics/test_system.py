@@ -98,9 +98,7 @@ def test_fingers_of_one_element_share_one_manifold():
     assert min(thumb, index) > 30e3
     element = system.elements[2]
     filled = sum(volumes[k] for k in FINGERS_OF_ELEMENT[2]) + element.dead_volume_m3
-    assert state.mass_kg[2] * element.gas.rt_j_per_kg == pytest.approx(
-        state.pressure_pa_abs[2] * filled, rel=1e-12
-    )
+    assert state.mass_kg[2] * element.gas.rt_j_per_kg == pytest.approx(state.pressure_pa_abs[2] * filled, rel=1e-12)
 
 
 def test_three_fingers_on_one_manifold_fill_more_slowly():

@@ -15,9 +15,7 @@ CHOKED = 2e-10 * REFERENCE_DENSITY_KG_PER_M3
 def test_choked_flow_is_linear_upstream_and_blind_downstream():
     for upstream in (2e5, 3e5, 7e5):
         for ratio in (0.01, 0.2, 0.35):
-            assert VALVE.mass_flow_kg_per_s(upstream, ratio * upstream) == pytest.approx(
-                CHOKED * upstream, rel=1e-14
-            )
+            assert VALVE.mass_flow_kg_per_s(upstream, ratio * upstream) == pytest.approx(CHOKED * upstream, rel=1e-14)
 
 
 def test_unchoked_flow_lies_on_the_ellipse():
@@ -52,9 +50,7 @@ def test_flow_is_antisymmetric():
 
 def test_flow_depends_on_the_root_of_the_temperature():
     hot = Valve(temperature_k=4.0 * 293.15)
-    assert hot.mass_flow_kg_per_s(3e5, 1e4) == pytest.approx(
-        0.5 * Valve().mass_flow_kg_per_s(3e5, 1e4), rel=1e-14
-    )
+    assert hot.mass_flow_kg_per_s(3e5, 1e4) == pytest.approx(0.5 * Valve().mass_flow_kg_per_s(3e5, 1e4), rel=1e-14)
 
 
 def test_slope_is_the_derivative_and_never_positive():

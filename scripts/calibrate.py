@@ -1,0 +1,115 @@
+"""Calibrate the finger: material sheets and geometry in, ``assets/calibration/finger.json`` out."""
+
+import sys
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from tqdm import tqdm
+
+from assets import asset_path
+from fea.calibration import (
+    TARGET_PRESSURE_PA_GAUGE,
+    Calibration,
+    Materials,
+    calibrate,
+    choose_flexure,
+    load_materials,
+    write_artifact,
+)
+from fea.density import DENSITIES, Density
+from fea.exoskeleton import LOADS_N
+from fea.geometry import FingerGeometry
+from scripts import _cli
+
+EXAMPLES = """examples:
+  python scripts/calibrate.py                                   # the shipped calibration, a few minutes
+  python scripts/calibrate.py --density coarse --out out/f.json --json out/calibrate.json
+  python scripts/calibrate.py --materials set2 set3 --out out/stiffer.json
+  python scripts/calibrate.py --choose-flexure --out out/f.json # find the thickness that gives 95 degrees at 75 kPa
+"""
+
+
+def parser() -> _cli.Parser:
+    """Return the command line."""
+    p = _cli.Parser(description=__doc__, examples=EXAMPLES)
+    p.add_argument("--density", choices=sorted(DENSITIES), default="calibration", help="mesh density (%(default)s)")
+    p.add_argument(
+        "--materials",
+        nargs=2,
+        metavar=("SILICONE", "TPU"),
+        default=["set3", "set3"],
+        help="parameter sets of the silicone and of the TPU (set3 set3)",
+    )
+    p.add_argument("--flexure", type=_cli.positive_float, metavar="MM", help="flexure thickness in mm")
+    p.add_argument(
+        "--choose-flexure", action="store_true", help="find the flexure thickness that gives 95 degrees at 75 kPa"
+    )
+    p.add_argument("--out", type=Path, help="calibration file (assets/calibration/finger.json)")
+    p.add_argument("--json", type=Path, help="write the two analyses and the fit errors here")
+    p.add_argument("--seed", type=int, default=0, help="accepted for uniformity: the analyses are deterministic")
+    return p
+
+
+def job(argv: Sequence[str] | None = None) -> int:
+    """Run the calibration; return the exit status."""
+    args = parser().parse_args(argv)
+    out = args.out if args.out is not None else asset_path("calibration") / "finger.json"
+    _cli.check_writable(args.json)
+    _cli.check_writable(out)
+    density = DENSITIES[args.density]
+    materials = load_materials(*args.materials)
+    geometry = FingerGeometry()
+    if args.flexure is not None:
+        geometry = replace(geometry, flexure_thickness_m=1e-3 * args.flexure)
+    start = time.perf_counter()
+    result = _run(geometry, materials, density, choose=args.choose_flexure)
+    write_artifact(result, out)
+    if args.json is not None:
+        _cli.write_json(args.json, summary(result, time.perf_counter() - start))
+    angle = result.fit.surrogate.tip_angle_deg(TARGET_PRESSURE_PA_GAUGE)
+    thickness = 1e3 * result.geometry.flexure_thickness_m
+    print(f"{out}: {angle:.1f} degrees at 75 kPa with a flexure of {thickness:.2f} mm")
+    return 0
+
+
+def _run(geometry: FingerGeometry, materials: Materials, density: Density, *, choose: bool) -> Calibration:
+    steps = len(density.pressures_pa_gauge) + len(LOADS_N) + 1
+    work: Callable[..., Calibration] = choose_flexure if choose else calibrate
+    with tqdm(total=None if choose else steps, desc="load steps", unit="step") as bar:
+        return work(geometry, materials, density, progress=lambda: bar.update(1))
+
+
+def summary(c: Calibration, wall_s: float) -> dict[str, Any]:
+    """Return what ``--json`` writes."""
+    a, x = c.actuator, c.exoskeleton
+    return {
+        "pressure_pa_gauge": a.pressure_pa_gauge.tolist(),
+        "actuator_elongation": a.elongation.tolist(),
+        "actuator_volume_m3": a.volume_m3.tolist(),
+        "actuator_radial_growth_m": a.radial_growth_m.tolist(),
+        "actuator_max_stretch": a.max_stretch.tolist(),
+        "actuator_status": a.status.value,
+        "load_n": x.load_n.tolist(),
+        "exoskeleton_tip_deflection_m": x.tip_deflection_m.tolist(),
+        "exoskeleton_joint_angle_rad": x.angle_rad.tolist(),
+        "exoskeleton_status": x.status.value,
+        "tip_angle_deg_at_75_kpa": c.fit.surrogate.tip_angle_deg(TARGET_PRESSURE_PA_GAUGE),
+        "flexure_thickness_m": c.geometry.flexure_thickness_m,
+        "fit_rmse": dict(c.fit.rmse),
+        "dofs": {"actuator": a.dofs, "exoskeleton": x.dofs},
+        "newton_iterations": {"actuator": a.iterations, "exoskeleton": x.iterations},
+        "density": c.density.name,
+        "wall_s": wall_s,
+    }
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Entry point."""
+    return _cli.run(job, argv)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

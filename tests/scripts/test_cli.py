@@ -1,0 +1,116 @@
+"""The command lines: bad input is one line on stderr and a non-zero status; results are whole files."""
+
+import json
+
+import pytest
+import trimesh
+
+from scripts import calibrate, characterize, grasp_benchmark
+
+
+def refused(capsys, main, argv):
+    try:
+        status = main(argv)
+    except SystemExit as stop:  # argparse
+        status = stop.code
+    captured = capsys.readouterr()
+    lines = captured.err.strip().splitlines()
+    assert status not in (0, None)
+    assert captured.out == ""
+    assert len(lines) == 1, captured.err
+    return lines[0]
+
+
+@pytest.fixture
+def meshes(tmp_path):
+    sphere = trimesh.creation.icosphere(subdivisions=2, radius=0.0375)
+    sphere.export(tmp_path / "metres.stl")
+    sphere.copy().apply_scale(1000).export(tmp_path / "millimetres.stl")
+    (tmp_path / "empty.obj").write_text("")
+    (tmp_path / "nan.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 nan 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\n")
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    ("file", "more", "told"),
+    [
+        ("missing.obj", ["--mass", "0.068"], "missing.obj"),
+        ("empty.obj", ["--mass", "0.068"], "empty.obj"),
+        ("nan.obj", ["--mass", "0.068"], "nan"),
+        ("millimetres.stl", ["--mass", "0.068"], "0.001"),
+        ("metres.stl", ["--mass", "-1"], "--mass"),
+        ("metres.stl", [], "--mass"),
+        ("metres.stl", ["--mass", "0.1", "--friction", "-0.1"], "--friction"),
+    ],
+)
+def test_bad_meshes_and_masses(file, more, told, meshes, capsys):
+    line = refused(capsys, grasp_benchmark.main, ["--mesh", str(meshes / file), "--trials", "1", *more])
+    assert told.lower() in line.lower()
+
+
+@pytest.mark.parametrize(
+    ("main", "argv", "told"),
+    [
+        (grasp_benchmark.main, ["--objects", "apple,unicorn"], "unicorn"),
+        (grasp_benchmark.main, ["--trials", "0"], "--trials"),
+        (grasp_benchmark.main, ["--workers", "two"], "--workers"),
+        (grasp_benchmark.main, ["--calibration", "/nowhere/finger.json"], "finger.json"),
+        (characterize.main, ["pressure-angle", "--pressures", "10,900"], "900000"),
+        (characterize.main, ["pressure-angle", "--pressures", "ten"], "--pressures"),
+        (characterize.main, ["dance"], "dance"),
+        (calibrate.main, ["--density", "infinite"], "--density"),
+    ],
+)
+def test_bad_arguments(main, argv, told, capsys):
+    assert told in refused(capsys, main, argv)
+
+
+@pytest.mark.parametrize("main", [grasp_benchmark.main, characterize.main, calibrate.main])
+def test_help_shows_examples(main, capsys):
+    with pytest.raises(SystemExit) as stop:
+        main(["--help"])
+    assert stop.value.code == 0
+    assert "examples:" in capsys.readouterr().out
+
+
+def test_a_mesh_of_one_s_own_gets_a_verdict(meshes, tmp_path):
+    out = tmp_path / "out.json"
+    argv = [
+        "--mesh",
+        str(meshes / "metres.stl"),
+        "--mass",
+        "0.068",
+        "--trials",
+        "1",
+        "--no-pictures",
+        "--json",
+        str(out),
+    ]
+    assert grasp_benchmark.main(argv) == 0
+    data = json.loads(out.read_text())
+    row = data["objects"]["metres"]
+    assert row["trials"] == 1
+    assert {"held", "success_rate", "wilson_low", "wilson_high"} <= set(row)
+    wanted = {
+        "object",
+        "seed",
+        "outcome",
+        "lift_m",
+        "slip_m",
+        "creep_m_per_s",
+        "penetration_m",
+        "wall_s",
+        "simulated_s",
+    }
+    assert wanted <= set(data["trials"][0])
+    assert data["trials"][0]["outcome"] == "HELD"
+    assert [p.name for p in tmp_path.iterdir() if "partial" in p.name] == []
+
+
+def test_characterize_writes_the_agreed_keys(tmp_path):
+    out = tmp_path / "angles.json"
+    assert characterize.main(["pressure-angle", "--pressures", "10,37,75", "--json", str(out)]) == 0
+    data = json.loads(out.read_text())
+    assert data["pressure_pa_gauge"] == [10e3, 37e3, 75e3]
+    assert data["tip_angle_deg"][2] == pytest.approx(95.0, abs=2.0)
+    assert [sum(row) for row in data["joint_angle_deg"]] == pytest.approx(data["tip_angle_deg"])
