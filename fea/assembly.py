@@ -237,7 +237,9 @@ def element_forces(law: Law, u_m: F64, gradients: F64, weights: F64) -> tuple[F6
         pressure = kappa * ((J * weights).sum(axis=1) / volume - 1.0)
         P = P + pressure[:, None, None, None] * cofactor
         A = A + pressure[:, None, None, None, None, None] * _cofactor_derivative(F)
-        rank_one = (weighted @ np.swapaxes(cofactor, -1, -2)).sum(axis=1).reshape(n, 30) * np.sqrt(kappa / volume)[:, None]
+        rank_one = (weighted @ np.swapaxes(cofactor, -1, -2)).sum(axis=1).reshape(n, 30) * np.sqrt(kappa / volume)[
+            :, None
+        ]
     force = (weighted @ np.swapaxes(P, -1, -2)).sum(axis=1)
     # K_aibj = sum_qJ w G_aJ (sum_L A_iJjL G_bL), the inner sum first
     inner = np.ascontiguousarray(np.swapaxes(A, 2, 3)).reshape(n, points, 27, 3) @ np.swapaxes(gradients, -1, -2)

@@ -138,9 +138,7 @@ def choose_flexure(
             break
     best = min(tried, key=lambda pair: abs(pair[1]))
     if abs(best[1]) < 0.5:
-        return complete(
-            replace(geometry, flexure_thickness_m=best[0]), materials, density, actuator, mass, progress
-        )
+        return complete(replace(geometry, flexure_thickness_m=best[0]), materials, density, actuator, mass, progress)
     raise ValueError(
         f"flexure_thickness_m: no value from 2 to 8 mm gives {TARGET_TIP_ANGLE_DEG:g} degrees at 75 kPa; tried "
         + ", ".join(f"{1e3 * t:.2f} mm ({e:+.1f} degrees)" for t, e in tried)

@@ -61,7 +61,9 @@ class FingerGeometry:
         }
         for name, wall in walls.items():
             if wall < MINIMUM_WALL_M - 1e-9:
-                raise ValueError(f"{name} = {wall:.6g} m must be at least {MINIMUM_WALL_M} m (the paper's minimum wall)")
+                raise ValueError(
+                    f"{name} = {wall:.6g} m must be at least {MINIMUM_WALL_M} m (the paper's minimum wall)"
+                )
         if self.flexure_thickness_m < self.tube_wall_m:
             raise ValueError(f"flexure_thickness_m = {self.flexure_thickness_m} must be at least tube_wall_m")
         if not 0.3 <= self.sector_half_angle_rad <= pi / 2.0:
@@ -74,9 +76,13 @@ class FingerGeometry:
         low = self.actuator_inner_radius_m + 0.5 * self.ring_height_m + cover
         high = self.actuator_outer_radius_m - 0.5 * self.ring_height_m - cover
         if not low <= self.ring_radius_m <= high:
-            raise ValueError(f"ring_radius_m = {self.ring_radius_m} must lie in [{low:.6g}, {high:.6g}], inside the wall")
+            raise ValueError(
+                f"ring_radius_m = {self.ring_radius_m} must lie in [{low:.6g}, {high:.6g}], inside the wall"
+            )
         if self.ring_width_m > 0.9 * self.ring_pitch_m:
-            raise ValueError(f"ring_width_m = {self.ring_width_m} must be below 0.9 of the pitch {self.ring_pitch_m:.6g}")
+            raise ValueError(
+                f"ring_width_m = {self.ring_width_m} must be below 0.9 of the pitch {self.ring_pitch_m:.6g}"
+            )
 
     def _check_gaps(self) -> None:
         if len(self.gap_start_m) != 3:

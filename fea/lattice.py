@@ -102,9 +102,7 @@ def build_mesh(lattice: Lattice) -> SolidMesh:
     points = _cartesian(cylindrical)
     curved = MeshTet2(points.T.copy(), np.asarray(straight.t))
     elements = np.asarray(curved.dofs.element_dofs.T, dtype=np.int64)
-    return SolidMesh(
-        points_m=points, cylindrical=cylindrical, elements=elements, material=material, skfem_mesh=curved
-    )
+    return SolidMesh(points_m=points, cylindrical=cylindrical, elements=elements, material=material, skfem_mesh=curved)
 
 
 def free_faces(mesh: SolidMesh, where: Callable[[F64], np.ndarray]) -> I64:
@@ -165,5 +163,3 @@ def is_conforming(mesh: SolidMesh) -> bool:
     faces = np.sort(np.concatenate([mesh.elements[:, local[:3]] for local in _LOCAL_FACES]), axis=1)
     _, counts = np.unique(faces, axis=0, return_counts=True)
     return bool(counts.max() == 2)
-
-

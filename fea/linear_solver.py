@@ -72,9 +72,7 @@ def _superlu(upper: sp.csr_array, right_side: F64) -> F64 | None:
     with warnings.catch_warnings():
         warnings.simplefilter("error", MatrixRankWarning)
         try:
-            factors = splu(
-                full, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
-            )
+            factors = splu(full, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
         except (MatrixRankWarning, RuntimeError):
             return None
     return np.asarray(factors.solve(right_side), dtype=np.float64)

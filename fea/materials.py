@@ -207,6 +207,11 @@ class _Sheet:
         return allowed[unit]
 
     def _number(self, at: str, value: object) -> float:
-        if isinstance(value, bool) or not isinstance(value, (int, float)) or abs(value) >= float("inf") or value != value:
+        if (
+            isinstance(value, bool)
+            or not isinstance(value, (int, float))
+            or abs(value) >= float("inf")
+            or value != value
+        ):
             raise ValueError(f"{self.file.name}: {at}.value = {value!r} must be a finite number")
         return float(value)

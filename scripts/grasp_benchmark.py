@@ -34,6 +34,7 @@ def parser() -> argparse.ArgumentParser:
     p.add_argument("--objects", help="names from the catalogue, comma-separated, or 'all' (default without --mesh)")
     p.add_argument("--mesh", type=Path, help="a mesh of your own (OBJ, STL, PLY, GLB), in metres")
     p.add_argument("--scale", type=_cli.positive_float, default=1.0, help="metres per unit of --mesh (default 1)")
+    p.add_argument("--keep-upright", action="store_true", help="let --mesh stand as in its file (z up)")
     p.add_argument("--mass", type=_cli.positive_float, help="mass in kg; needed with --mesh, else an override")
     p.add_argument("--friction", type=_cli.non_negative_float, help="sliding friction coefficient, an override")
     p.add_argument("--trials", type=_cli.positive_int, default=20, help="trials per object (default 20)")
@@ -79,8 +80,15 @@ def _objects(args: argparse.Namespace) -> list[ObjectModel]:
     if args.mesh is not None:
         if args.mass is None:
             raise ValueError(f"--mass: needed with --mesh {args.mesh} (kg, above 0)")
-        friction = DEFAULT_FRICTION if args.friction is None else args.friction
-        models.append(load_mesh_object(args.mesh, mass_kg=args.mass, friction=friction, scale=args.scale))
+        models.append(
+            load_mesh_object(
+                args.mesh,
+                mass_kg=args.mass,
+                friction=DEFAULT_FRICTION if args.friction is None else args.friction,
+                scale=args.scale,
+                keep_upright=args.keep_upright,
+            )
+        )
     if args.objects is not None or args.mesh is None:
         known = list(load_catalogue())
         asked = known if args.objects in (None, "all") else [name.strip() for name in args.objects.split(",")]

@@ -1,11 +1,11 @@
 """An object as part of a MuJoCo model, without any file on disk."""
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import trimesh
 
+from softhand_sim.contact import ContactSettings
 from softhand_sim.objects.model import ObjectModel
 
 if TYPE_CHECKING:
@@ -13,53 +13,6 @@ if TYPE_CHECKING:
 
 VISUAL_GROUP = 2
 COLLISION_GROUP = 3
-
-
-@dataclass(frozen=True, kw_only=True)
-class ContactSettings:
-    """Contact parameters of an object's collision geoms.
-
-    Attributes
-    ----------
-    condim : {1, 3, 4, 6}
-        4: sliding and torsional friction, for soft pads (choice of the project's grasp study).
-    patch_radius_m : float
-        Radius of the contact patch a of a soft pad; the torsional friction is 2/3 mu a (disc under uniform
-        pressure). choice: 4 mm, half a fingertip's radius.
-    rolling_friction_m : float
-        Used with condim 6 only. Default: MuJoCo's.
-    time_constant_s, damping_ratio : float
-        MuJoCo's solref. choice: 6 ms, MuJoCo's maintainers advise 4 to 10 ms for grasping.
-    priority : int
-        Above the default 0, so that the object's own friction holds in each of its contacts, instead of the
-        larger of the two bodies' values: an oiled object is slippery however rough the finger is.
-    contype, conaffinity : int
-        MuJoCo's contact bit masks.
-
-    Raises
-    ------
-    ValueError
-        If a value is out of range.
-    """
-
-    condim: int = 4
-    patch_radius_m: float = 0.004
-    rolling_friction_m: float = 1e-4
-    time_constant_s: float = 0.006
-    damping_ratio: float = 1.0
-    priority: int = 1
-    contype: int = 1
-    conaffinity: int = 1
-
-    def __post_init__(self) -> None:
-        if self.condim not in (1, 3, 4, 6):
-            raise ValueError(f"condim is {self.condim}, allowed 1, 3, 4, 6")
-        for name in ("patch_radius_m", "rolling_friction_m"):
-            if not (np.isfinite(getattr(self, name)) and getattr(self, name) >= 0.0):
-                raise ValueError(f"{name} is {getattr(self, name)}, needs a finite number >= 0")
-        for name in ("time_constant_s", "damping_ratio"):
-            if not (np.isfinite(getattr(self, name)) and getattr(self, name) > 0.0):
-                raise ValueError(f"{name} is {getattr(self, name)}, needs a finite number > 0")
 
 
 def attach_object(
@@ -115,16 +68,13 @@ def attach_object(
 
 
 def _contact_attributes(model: ObjectModel, settings: ContactSettings) -> dict[str, Any]:
-    torsional = 2.0 / 3.0 * model.friction * settings.patch_radius_m
     return {
         "group": COLLISION_GROUP,
         "mass": 0.0,
         "condim": settings.condim,
-        "friction": (model.friction, torsional, settings.rolling_friction_m),
-        "solref": (settings.time_constant_s, settings.damping_ratio),
-        "priority": settings.priority,
-        "contype": settings.contype,
-        "conaffinity": settings.conaffinity,
+        "friction": settings.friction(model.friction),
+        "solref": settings.solref,
+        "priority": settings.object_priority,
         "rgba": model.rgba,
     }
 

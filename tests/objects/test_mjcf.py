@@ -8,8 +8,9 @@ import pytest
 import trimesh
 from dm_control import mjcf
 
+from softhand_sim.contact import ContactSettings
 from softhand_sim.objects.catalogue import make_object
-from softhand_sim.objects.mjcf import ContactSettings, attach_object
+from softhand_sim.objects.mjcf import attach_object
 
 NAMES = ("apple", "banana", "mug", "soup_can", "cracker_box", "tennis_ball")
 
