@@ -39,11 +39,20 @@ class ActuatorMesh:
 class ActuatorResult:
     """Arrays over the pressures that converged, starting with the unloaded state.
 
-    ``elongation`` is the ratio of the lengthening to the chamber's length (the rigid cap does not stretch), ``radial_growth_m`` the mean of the outer surface at mid-length
-    over two pitches, ``max_stretch`` the largest principal stretch of the silicone, ``volume_m3`` the whole chamber's.
-    ``thrust_area_m2`` is dV/d(lengthening) at constant pressure, that is the thrust of the blocked tip per unit
-    pressure. It is smaller than the slope of V along the free path, where silicone also bulges between the rings
-    because the pressure rises; that part of V does no work on the finger.
+    Attributes
+    ----------
+    lengthening_m, elongation : arrays [n]
+        Displacement of the cap, and its ratio to the chamber's length (the cap itself does not stretch).
+    volume_m3 : array [n]
+        Volume of the whole chamber.
+    thrust_area_m2 : array [n]
+        dV/d(lengthening) at constant pressure: the change of thrust with pressure at a blocked tip. It is smaller than
+        the slope of V along the free path, where silicone also bulges between the rings because the pressure rises;
+        that part of V does no work on the finger.
+    radial_growth_m : array [n]
+        Mean over the outer surface at mid-length, two pitches long.
+    max_stretch : array [n]
+        Largest principal stretch of the silicone.
     """
 
     pressure_pa_gauge: F64

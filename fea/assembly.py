@@ -46,11 +46,14 @@ class Evaluation:
         Internal force and load at the free degrees of freedom; equilibrium where they agree.
     tangent : csr_array [n_free, n_free] or None
         Upper triangle of the tangent; None when only forces were asked for.
+    reaction_n : array [n_nodes, 3]
+        Internal force minus load at every node: the supports' reactions where displacements are prescribed.
     """
 
     internal_n: F64
     external_n: F64
     tangent: sp.csr_array | None
+    reaction_n: F64
 
 
 class SolidModel:
@@ -112,7 +115,10 @@ class SolidModel:
             cavity_matrix = -load.pressure_pa_gauge * hessian
         matrix = self._scatter(parts, cavity_matrix) if tangent else None
         return Evaluation(
-            internal_n=internal.ravel()[self.free], external_n=external.ravel()[self.free], tangent=matrix
+            internal_n=internal.ravel()[self.free],
+            external_n=external.ravel()[self.free],
+            tangent=matrix,
+            reaction_n=internal - external,
         )
 
     def energy(self, u_m: F64, load: Load) -> float:
@@ -148,7 +154,7 @@ class SolidModel:
         return force
 
     def _build_pattern(self, number: I64) -> None:
-        """Number the entries of the upper triangle once: element entries first, then those of cavity faces."""
+        """Build the upper triangle's numbering once: element entries first, then those of cavity faces."""
         dofs = number[(3 * self.mesh.elements[:, :, None] + np.arange(3)).reshape(-1, 30)]
         rows, columns = [dofs[:, _ROW].ravel()], [dofs[:, _COLUMN].ravel()]
         if self.cavity is not None:

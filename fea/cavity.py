@@ -10,16 +10,18 @@ _POINTS = np.array(
     [[1 / 3, 1 / 3], [_A, _A], [1 - 2 * _A, _A], [_A, 1 - 2 * _A], [_B, _B], [1 - 2 * _B, _B], [_B, 1 - 2 * _B]]
 )
 _WEIGHTS = 0.5 * np.array([0.225] + [(155.0 - np.sqrt(15.0)) / 1200.0] * 3 + [(155.0 + np.sqrt(15.0)) / 1200.0] * 3)
+_HALF = np.array([0.5, 0.5, 0.0])
 _EPSILON = np.zeros((3, 3, 3))
 _EPSILON[[0, 1, 2], [1, 2, 0], [2, 0, 1]] = 1.0
 _EPSILON[[0, 2, 1], [2, 1, 0], [1, 0, 2]] = -1.0
 
 
 class Cavity:
-    """Closed cavity bounded by faces, the symmetry plane y = 0 and the base plane z = 0.
+    """Closed cavity bounded by faces, the symmetry plane y = 0 and planes z = const.
 
-    V = 1/3 of the surface integral of x . n; the two planes hold the origin and add nothing. The gradient is the
-    follower load of a unit pressure, and the Hessian is symmetric since pressure is conservative here.
+    V is the surface integral of (x n_x + y n_y) / 2, to which planes z = const and the plane y = 0 add nothing, so only
+    curved walls and moving caps are needed. The gradient is the follower load of a unit pressure, and the Hessian is
+    symmetric since pressure is conservative here.
 
     Parameters
     ----------
@@ -44,23 +46,31 @@ class Cavity:
     def volume_m3(self, points_m: F64) -> float:
         """Return the enclosed volume of the half model at deformed nodes [n_nodes, 3]."""
         x, a, b = self._frames(points_m)
-        return float(np.einsum("q,fqi,fqi->", _WEIGHTS, x, np.cross(a, b))) / 3.0
+        return float(np.einsum("q,fqi,fqi->", _WEIGHTS, x * _HALF, np.cross(a, b)))
 
     def derivatives(self, points_m: F64) -> tuple[F64, F64]:
-        """Return dV/dx [n_nodes, 3] and the faces' Hessians [n_faces, 18, 18]."""
+        """Return dV/dx [n_nodes, 3] and the faces' Hessians [n_faces, 18, 18].
+
+        The integrand is Dx . (a x b) with D = diag(1/2, 1/2, 0) and the tangents a, b of the face.
+        """
         x, a, b = self._frames(points_m)
-        w = _WEIGHTS / 3.0
-        terms = ((self._shape, np.cross(a, b)), (self._dx, np.cross(b, x)), (self._dy, np.cross(x, a)))
-        local = sum(np.einsum("q,qm,fqi->fmi", w, N, v) for N, v in terms)
+        x = x * _HALF
+        terms = ((self._shape, np.cross(a, b) * _HALF), (self._dx, np.cross(b, x)), (self._dy, np.cross(x, a)))
+        local = sum(np.einsum("q,qm,fqi->fmi", _WEIGHTS, N, v) for N, v in terms)
         gradient = np.zeros((self.n_nodes, 3))
         np.add.at(gradient, self.faces, local)
-        hessian = np.zeros((len(self.faces), 6, 3, 6, 3))
-        pairs = ((self._shape, self._dx, b), (self._dx, self._dy, x), (self._dy, self._shape, a))
-        for first, second, vector in pairs:
-            skew = np.einsum("q,qm,qn->qmn", w, first, second)
-            skew = skew - skew.transpose(0, 2, 1)
-            hessian += np.einsum("qmn,ijk,fqk->fminj", skew, _EPSILON, vector, optimize=True)
+        one = np.ones(3)
+        hessian = self._pair(self._dx, self._dy, x, one)
+        hessian += self._pair(self._shape, self._dx, b, _HALF)
+        hessian -= self._pair(self._shape, self._dy, a, _HALF)
         return gradient, hessian.reshape(-1, 18, 18)
+
+    @staticmethod
+    def _pair(first: F64, second: F64, vector: F64, scale: F64) -> F64:
+        """Return eps_ijk v_k (D_i first_m second_n - D_j first_n second_m), shape [n_faces, 6, 3, 6, 3]."""
+        product = np.einsum("q,qm,qn,fqk->fmnk", _WEIGHTS, first, second, vector, optimize=True)
+        one_way = np.einsum("fmnk,ijk,i->fminj", product, _EPSILON, scale, optimize=True)
+        return np.asarray(one_way + one_way.transpose(0, 3, 4, 1, 2))
 
     def _frames(self, points_m: F64) -> tuple[F64, F64, F64]:
         nodes = points_m[self.faces]

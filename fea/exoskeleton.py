@@ -72,7 +72,8 @@ def exoskeleton_lattice(geometry: FingerGeometry, mesh: ExoskeletonMesh) -> Latt
         cells.append(max(1, mesh.wall_cells // 2))
     r = split(edges, cells)
     theta = split([0.0, g.sector_half_angle_rad, np.pi], [mesh.sector_cells, mesh.rest_cells])
-    z_edges, z_cells = [0.0], []
+    z_edges = [0.0]
+    z_cells: list[int] = []
     for start in g.gap_start_m:
         z_edges += [start, start + g.gap_length_m]
         z_cells += [2 if len(z_cells) == 0 else mesh.segment_cells, mesh.gap_cells]
@@ -83,8 +84,8 @@ def exoskeleton_lattice(geometry: FingerGeometry, mesh: ExoskeletonMesh) -> Latt
     for start in g.gap_start_m:
         in_gap |= (start < Z) & (start + g.gap_length_m > Z)
     plate = g.actuator_length_m < Z
-    tube = (R > inner) & (outer > R) & ~in_gap
-    flexure = (R > inner) & in_gap & (g.sector_half_angle_rad > T)
+    tube = (inner < R) & (outer > R) & ~in_gap
+    flexure = (inner < R) & in_gap & (g.sector_half_angle_rad > T)
     solid = tube | flexure | (plate & (outer > R))
     return Lattice(r_m=r, theta_rad=theta, z_m=z, material=np.where(solid, TPU, VOID).astype(np.int64))
 

@@ -10,7 +10,7 @@ MINIMUM_WALL_M = 2e-3
 JOINT_NAMES = ("proximal", "middle", "distal")
 
 
-def _choice(default: Any, reason: str) -> Any:  # noqa: ANN401 - dataclasses.field is typed this way
+def _choice(default: Any, reason: str) -> Any:
     return field(default=default, metadata={"choice": reason})
 
 
@@ -37,7 +37,7 @@ class FingerGeometry:
     clearance_m: float = _choice(0.2e-3, "sliding fit of the actuator in the printed tube")
     tube_wall_m: float = _choice(2.0e-3, "the paper's minimum wall: lightest printable exoskeleton")
     sector_half_angle_rad: float = _choice(pi / 3.0, "palm sector kept in the joints: bends one way, resists twist")
-    flexure_thickness_m: float = _choice(3.3e-3, "chosen so that the calibrated finger reaches 95 degrees at 75 kPa")
+    flexure_thickness_m: float = _choice(2.88e-3, "chosen so that the calibrated finger reaches 95 degrees at 75 kPa")
     gap_length_m: float = _choice(8.2e-3, "lets a joint turn 40 degrees before its dorsal edges part by 7 mm")
     gap_start_m: tuple[float, float, float] = _choice((5.4e-3, 36.0e-3, 60.0e-3), "human proportions of the phalanges")
     end_plate_m: float = _choice(2.0e-3, "the paper's minimum wall; carries the thrust of the cap")
@@ -46,7 +46,7 @@ class FingerGeometry:
         for item in fields(self):
             value = getattr(self, item.name)
             if item.name.endswith("_m") and isinstance(value, float) and not 0.0 < value < 0.3:
-                raise ValueError(f"{item.name} = {value} m must lie in (0, 0.3) m; are the units metres?")
+                raise ValueError(f"{item.name} = {value:g} m must lie in (0, 0.3) m; are the units metres?")
         self._check_walls()
         self._check_rings()
         self._check_gaps()

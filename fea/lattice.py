@@ -117,7 +117,7 @@ def free_faces(mesh: SolidMesh, where: Callable[[F64], np.ndarray]) -> I64:
     Returns
     -------
     array [n_faces, 6]
-        Vertices and mid-edge nodes, ordered such that the normal points *into* the solid, that is outward from a cavity.
+        Vertices and mid-edge nodes, normals *into* the solid, that is out of a cavity.
     """
     faces = np.concatenate([mesh.elements[:, local] for local in _LOCAL_FACES])
     keys = np.sort(faces[:, :3], axis=1)
@@ -127,7 +127,7 @@ def free_faces(mesh: SolidMesh, where: Callable[[F64], np.ndarray]) -> I64:
     p = mesh.points_m[faces[:, [0, 1, 2, 6]]]
     normal = np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
     inward = np.einsum("fi,fi->f", normal, p[:, 3] - p[:, 0]) > 0.0
-    return np.where(inward[:, None], faces[:, :6], faces[:, [0, 2, 1, 5, 4, 3]])
+    return np.asarray(np.where(inward[:, None], faces[:, :6], faces[:, [0, 2, 1, 5, 4, 3]]), dtype=np.int64)
 
 
 def symmetry_nodes(mesh: SolidMesh) -> I64:

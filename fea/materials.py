@@ -1,5 +1,6 @@
 """Material sheets: TOML in, constitutive law and density out. Every parameter carries its unit."""
 
+import math
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -155,7 +156,7 @@ class _Sheet:
         except tomllib.TOMLDecodeError as error:
             raise ValueError(f"{file.name}: not valid TOML: {error}") from None
 
-    def get(self, at: str) -> Any:  # noqa: ANN401 - a TOML value
+    def get(self, at: str) -> Any:
         value: Any = self.data
         for key in at.split("."):
             if not isinstance(value, dict) or key not in value:
@@ -192,7 +193,7 @@ class _Sheet:
         factor = self._factor(at, kind)
         return tuple(self._number(at, v) * factor for v in value)
 
-    def _value(self, at: str) -> Any:  # noqa: ANN401 - a TOML value
+    def _value(self, at: str) -> Any:
         table = self.get(at)
         if not isinstance(table, dict) or "value" not in table:
             raise ValueError(f"{self.file.name}: {at} = {table!r} must be a table with 'value' and 'unit'")
@@ -207,11 +208,6 @@ class _Sheet:
         return allowed[unit]
 
     def _number(self, at: str, value: object) -> float:
-        if (
-            isinstance(value, bool)
-            or not isinstance(value, (int, float))
-            or abs(value) >= float("inf")
-            or value != value
-        ):
+        if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
             raise ValueError(f"{self.file.name}: {at}.value = {value!r} must be a finite number")
         return float(value)

@@ -31,7 +31,7 @@ class NewtonOptions:
     Attributes
     ----------
     relative_tolerance : float
-        Convergence when |internal - external| <= tolerance x the larger of the two norms.
+        Convergence when |internal - external| <= tolerance x the largest of their norms and the reactions'.
     step_cap_m : float
         Largest nodal displacement of one iteration.
     max_iterations : int
@@ -77,7 +77,8 @@ def solve_equilibrium(
         if state is None or state.tangent is None:
             return Outcome(status=Status.INVERTED, u_m=u, iterations=iteration, residual=relative)
         imbalance = state.external_n - state.internal_n
-        scale = max(float(np.linalg.norm(state.external_n)), float(np.linalg.norm(state.internal_n)), 1e-12)
+        forces = (state.external_n, state.internal_n, state.reaction_n)
+        scale = max(1e-12, *(float(np.linalg.norm(force)) for force in forces))
         relative = float(np.linalg.norm(imbalance)) / scale
         if relative <= options.relative_tolerance:
             return Outcome(status=Status.CONVERGED, u_m=u, iterations=iteration, residual=relative)

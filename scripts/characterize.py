@@ -8,7 +8,7 @@ import numpy as np
 from scripts import _cli
 from softhand_sim.calibration import load_calibration
 from softhand_sim.characterize import pressure_angle
-from softhand_sim.control.elements import FINGERS
+from softhand_sim.elements import FINGERS
 
 EXAMPLES = """examples:
   characterize.py pressure-angle --json out/pressure_angle.json

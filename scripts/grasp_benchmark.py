@@ -59,8 +59,8 @@ def _job(argv: Sequence[str] | None) -> int:
         objects=tuple(_objects(args)), trials=args.trials, seed=args.seed, calibration=args.calibration
     )
     total = len(plan.objects) * plan.trials
-    running = tqdm(run_benchmark(plan, args.workers), total=total, desc="trials", unit="trial")
-    results = in_order(plan, list(running))
+    running = run_benchmark(plan, args.workers)
+    results = in_order(plan, list(tqdm(running, total=total, desc="trials", unit="trial")))
     summary = summarise(results)
     print(table(summary))
     if args.json is not None:

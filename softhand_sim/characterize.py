@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softhand_sim.calibration import FingerCalibration
-from softhand_sim.control.elements import FINGERS
+from softhand_sim.elements import FINGERS
 from softhand_sim.hand.scene import EngineSettings, build_root, compile_scene
 from softhand_sim.simulation import HandIndex
 

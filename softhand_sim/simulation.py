@@ -6,8 +6,8 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from softhand_sim.calibration import FingerCalibration
-from softhand_sim.control.elements import FINGERS
+from softhand_sim.calibration import JOINTS, FingerCalibration
+from softhand_sim.elements import FINGERS
 from softhand_sim.hand.anatomy import HandAnatomy
 from softhand_sim.hand.hand import WRIST
 from softhand_sim.pneumatics.state import PneumaticState
@@ -33,7 +33,7 @@ class HandIndex:
     @classmethod
     def of(cls, model: mujoco.MjModel) -> "HandIndex":
         """Look the names up once."""
-        joints = [[f"{f}_{j}" for j in ("proximal", "middle", "distal")] for f in FINGERS]
+        joints = [[f"{f}_{j}" for j in JOINTS] for f in FINGERS]
         return cls(
             pressure_ctrl=np.array([model.actuator(f"{f}_pressure").id for f in FINGERS]),
             wrist_ctrl=np.array([model.actuator(name).id for name in WRIST]),

@@ -50,8 +50,18 @@ class BenchmarkPlan:
 
 
 def run_benchmark(plan: BenchmarkPlan, workers: int = 1) -> Iterator[TrialResult]:
-    """Yield the results as they come; `in_order` sorts them."""
+    """Return an iterator over the results as they come; `in_order` sorts them.
+
+    Raises
+    ------
+    FileNotFoundError, ValueError
+        If the calibration is missing or wrong; at once, before the first trial.
+    """
     load_calibration(plan.calibration)
+    return _results(plan, workers)
+
+
+def _results(plan: BenchmarkPlan, workers: int) -> Iterator[TrialResult]:
     work = plan.chunks()
     if workers == 1:
         for model, seeds in work:

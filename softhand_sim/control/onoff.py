@@ -4,10 +4,10 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from softhand_sim.air import AMBIENT_PA_ABS
 from softhand_sim.checks import require_finite
-from softhand_sim.control.elements import ELEMENTS
 from softhand_sim.control.protocol import ControllerState, ValveCommand
-from softhand_sim.pneumatics.gas import AMBIENT_PA_ABS
+from softhand_sim.elements import ELEMENTS
 
 _MEMORY = 5  # inlet open, outlet open, last reading, rise of the last inlet pulse, fall of the last outlet pulse
 

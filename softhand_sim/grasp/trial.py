@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from softhand_sim.calibration import FingerCalibration
-from softhand_sim.control.elements import ELEMENTS
+from softhand_sim.elements import ELEMENTS
 from softhand_sim.grasp.place import place_object
 from softhand_sim.grasp.protocol import LiftProtocol
 from softhand_sim.grasp.record import Recorder

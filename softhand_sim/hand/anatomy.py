@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-from softhand_sim.control.elements import FINGERS
+from softhand_sim.elements import FINGERS
 
 Vector = npt.NDArray[np.float64]
 

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from softhand_sim.calibration import FingerCalibration
 from softhand_sim.contact import ContactSettings
-from softhand_sim.control.elements import FINGERS
+from softhand_sim.elements import FINGERS
 from softhand_sim.hand.anatomy import HandAnatomy
 from softhand_sim.hand.finger import add_finger
 

@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
+from softhand_sim.air import R_SPECIFIC_J_PER_KG_K, ROOM_TEMPERATURE_K
 from softhand_sim.checks import require_finite
-from softhand_sim.pneumatics.gas import R_SPECIFIC_J_PER_KG_K, ROOM_TEMPERATURE_K
 
 
 @dataclass(frozen=True, kw_only=True)

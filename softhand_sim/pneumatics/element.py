@@ -3,9 +3,9 @@
 import math
 from dataclasses import dataclass, field
 
+from softhand_sim.air import AMBIENT_PA_ABS
 from softhand_sim.checks import require_finite
 from softhand_sim.pneumatics.chamber import Chamber
-from softhand_sim.pneumatics.gas import AMBIENT_PA_ABS
 from softhand_sim.pneumatics.valve import Valve
 
 TUBE_BORE_M = 3e-3

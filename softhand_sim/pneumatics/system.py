@@ -8,15 +8,15 @@ import numpy as np
 import numpy.typing as npt
 
 from softhand_sim.checks import require_finite
-from softhand_sim.control.elements import (
+from softhand_sim.control.onoff import OnOffController
+from softhand_sim.control.protocol import Controller, ValveCommand
+from softhand_sim.elements import (
     ELEMENTS,
     FINGERS,
     FINGERS_OF_ELEMENT,
     spread_to_fingers,
     sum_over_fingers,
 )
-from softhand_sim.control.onoff import OnOffController
-from softhand_sim.control.protocol import Controller, ValveCommand
 from softhand_sim.pneumatics.element import Element, tube_volume_m3
 from softhand_sim.pneumatics.sensor import PressureSensor
 from softhand_sim.pneumatics.state import PneumaticState, state_from_array

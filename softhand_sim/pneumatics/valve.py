@@ -3,8 +3,8 @@
 import math
 from dataclasses import dataclass, field
 
+from softhand_sim.air import REFERENCE_DENSITY_KG_PER_M3, ROOM_TEMPERATURE_K
 from softhand_sim.checks import require_finite, require_in
-from softhand_sim.pneumatics.gas import REFERENCE_DENSITY_KG_PER_M3, ROOM_TEMPERATURE_K
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
-from softhand_sim.control.elements import (
+from softhand_sim.air import AMBIENT_PA_ABS as P0
+from softhand_sim.control.onoff import OnOffController
+from softhand_sim.elements import (
     ELEMENT_FINGERS,
     ELEMENT_OF_FINGER,
     ELEMENTS,
@@ -12,8 +14,6 @@ from softhand_sim.control.elements import (
     spread_to_fingers,
     sum_over_fingers,
 )
-from softhand_sim.control.onoff import OnOffController
-from softhand_sim.pneumatics.gas import AMBIENT_PA_ABS as P0
 
 LITERAL = OnOffController(dead_band_pa=500.0, lookahead=False)
 

@@ -9,7 +9,7 @@ import pytest
 
 from assets import asset_path
 from softhand_sim.characterize import pressure_angle
-from softhand_sim.control.elements import FINGERS
+from softhand_sim.elements import FINGERS
 from softhand_sim.hand.anatomy import FingerMount, HandAnatomy
 from softhand_sim.hand.export import hand_xml, scene_xml
 from softhand_sim.hand.scene import EngineSettings, build_root, build_scene, compile_scene

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from softhand_sim.air import AMBIENT_PA_ABS
 from softhand_sim.pneumatics.chamber import Chamber
 from softhand_sim.pneumatics.element import Element, tube_volume_m3
-from softhand_sim.pneumatics.gas import AMBIENT_PA_ABS
 from softhand_sim.pneumatics.valve import Valve
 
 V0, AREA = 2.5e-6, 6.4e-5

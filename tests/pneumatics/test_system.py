@@ -7,9 +7,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from softhand_sim.control.elements import FINGERS_OF_ELEMENT
 from softhand_sim.control.onoff import OnOffController
 from softhand_sim.control.protocol import ValveCommand
+from softhand_sim.elements import FINGERS_OF_ELEMENT
 from softhand_sim.pneumatics.sensor import PressureSensor
 from softhand_sim.pneumatics.system import PneumaticSystem
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from softhand_sim.pneumatics.gas import REFERENCE_DENSITY_KG_PER_M3
+from softhand_sim.air import REFERENCE_DENSITY_KG_PER_M3
 from softhand_sim.pneumatics.valve import Valve
 
 VALVE = Valve(sonic_conductance_m3_per_s_pa=2e-10, critical_pressure_ratio=0.35)

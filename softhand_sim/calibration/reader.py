@@ -11,8 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from assets import asset_path
-from softhand_sim.calibration_fields import Fields, read_fields
-from softhand_sim.calibration_parts import (
+from softhand_sim.calibration.fields import Fields, read_fields
+from softhand_sim.calibration.parts import (
     JOINTS,
     CalibrationCurve,
     ChamberCalibration,
@@ -20,17 +20,6 @@ from softhand_sim.calibration_parts import (
     JointCalibration,
     TendonCalibration,
 )
-
-__all__ = [
-    "JOINTS",
-    "CalibrationCurve",
-    "ChamberCalibration",
-    "FingerBody",
-    "FingerCalibration",
-    "JointCalibration",
-    "TendonCalibration",
-    "load_calibration",
-]
 
 SCHEMA = "softhand-sim/finger-calibration"
 SCHEMA_VERSION = 1
