@@ -178,17 +178,21 @@ def _measure(model: SolidModel, geometry: FingerGeometry, pressure: float, u_m: 
 
 
 def _thrust_area(model: SolidModel, top: Bool, u_m: F64, pressure: float) -> float:
-    """Return dV/d(lengthening) at constant pressure from the response to a small axial force on the cap."""
+    """Return dV/d(lengthening) at constant pressure when the cap moves as one, as it does on the finger's end plate.
+
+    One linear solve gives the flexibility S of the cap's nodes; nodal forces f with S f = 1 move them by one together.
+    """
     state = model.evaluate(u_m, Load(pressure_pa_gauge=pressure))
     if state is None or state.tangent is None or model.cavity is None:
         raise ValueError("u_m: not an admissible state of the actuator")
-    axial = np.zeros((len(top), 3))
-    axial[top, 2] = 1.0 / np.count_nonzero(top)
-    axial_free = axial.ravel()[model.free]
+    dofs = np.searchsorted(model.free, 3 * np.flatnonzero(top) + 2)
+    unit = np.zeros((len(model.free), len(dofs)))
+    unit[dofs, np.arange(len(dofs))] = 1.0
     solver = SymmetricSolver()
-    response = solver.solve(state.tangent, axial_free)
+    response = solver.solve(state.tangent, unit)
     solver.close()
     if response is None:
         raise ValueError("u_m: the tangent is singular at this state")
+    forces = np.linalg.solve(response[dofs], np.ones(len(dofs)))
     volume_gradient = model.cavity.derivatives(model.mesh.points_m + u_m)[0].ravel()[model.free]
-    return 2.0 * float(volume_gradient @ response) / float(axial_free @ response)
+    return 2.0 * float(volume_gradient @ (response @ forces))

@@ -30,13 +30,13 @@ class SymmetricSolver:
         self._pardiso: Any = None
 
     def solve(self, upper: sp.csr_array, right_side: F64) -> F64 | None:
-        """Return x, shape [n], or None if K is singular to working precision.
+        """Return x, shaped like the right side, or None if K is singular to working precision.
 
         Parameters
         ----------
         upper : csr_array [n, n]
             Upper triangle of K with its diagonal; every call must have the pattern of the first.
-        right_side : array [n]
+        right_side : array [n] or [n, k]
         """
         x = self._mkl(upper, right_side) if self._use_pardiso else _superlu(upper, right_side)
         return x if x is not None and bool(np.isfinite(x).all()) else None
@@ -64,7 +64,7 @@ class SymmetricSolver:
     def _run(self, phase: int, upper: sp.csr_array, right_side: F64) -> F64:
         # the public solve() analyses the pattern anew each time, which costs as much as the factorisation
         self._pardiso.set_phase(phase)
-        return np.asarray(self._pardiso._call_pardiso(upper, right_side), dtype=np.float64)
+        return np.asarray(self._pardiso._call_pardiso(upper, np.asfortranarray(right_side)), dtype=np.float64)
 
 
 def _superlu(upper: sp.csr_array, right_side: F64) -> F64 | None:

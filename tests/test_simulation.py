@@ -1,0 +1,110 @@
+"""Engine, gas and wrist together."""
+
+import numpy as np
+import pytest
+
+from softhand_sim.elements import FINGERS
+from softhand_sim.grasp.record import Recorder
+from softhand_sim.hand.scene import EngineSettings, build_scene
+from softhand_sim.simulation import HandSimulation
+from softhand_sim.wrist import limited_step
+
+
+@pytest.fixture
+def simulation(calibration):
+    scene = build_scene(calibration, engine=EngineSettings(gravity_m_per_s2=0.0))
+    made = HandSimulation(model=scene.model, calibration=calibration)
+    made.reset(np.random.default_rng(0), np.array([0.0, 0.0, 0.3, 0.0, 0.0, 0.0]))
+    return made
+
+
+def run(simulation, seconds):
+    for _ in range(round(seconds / simulation.dt)):
+        simulation.step()
+
+
+def test_chamber_volume_is_the_calibration_s_at_the_tendon_s_length(simulation, calibration):
+    simulation.set_pressure_pa_gauge = np.array([30e3, 50e3, 70e3])
+    run(simulation, 1.5)
+    angles = simulation.data.qpos[simulation.index.joint_qpos]
+    own = [calibration.chamber.volume_m3_at(calibration.elongation_m(tuple(row))) for row in angles]
+    # the engine's tendon lengths are those of the step's start
+    assert simulation.chamber_volumes_m3() == pytest.approx(own, rel=1e-4)
+    assert min(own) > calibration.chamber.volume_m3_at(0.0)
+
+
+def test_shut_valves_keep_the_gas_when_a_finger_is_bent(simulation):
+    """Isothermal gas: pV of an element is constant while its finger is pushed, here by the joints' own coordinates."""
+    simulation.set_pressure_pa_gauge = np.full(3, 40e3)
+    run(simulation, 3.0)
+    while any(valve for command in simulation.gas.valves for valve in command):
+        simulation.step()
+    before = simulation.gas
+    dead = simulation.pneumatics.elements[1].dead_volume_m3
+    index = FINGERS.index("index")
+    product = before.pressure_pa_abs[1] * (simulation.chamber_volumes_m3()[index] + dead)
+    simulation.data.qpos[simulation.index.joint_qpos[index]] += 0.2
+    simulation.data.qvel[:] = 0.0
+    simulation.step()
+    assert simulation.gas.mass_kg == before.mass_kg
+    squeezed = simulation.chamber_volumes_m3()[index]
+    simulation.gas = simulation.pneumatics.step(
+        simulation.gas, simulation.chamber_volumes_m3(), simulation.set_pressure_pa_gauge, 1e-6
+    )
+    assert simulation.gas.pressure_pa_abs[1] * (squeezed + dead) == pytest.approx(product, rel=1e-3)
+    assert simulation.gas.pressure_pa_abs[1] < before.pressure_pa_abs[1]
+
+
+def test_set_angle_is_reached_through_valves_and_gas(simulation, calibration):
+    """Closed loop: each finger ends within one valve pulse (4 kPa) below the angle that was asked for."""
+    pressure = calibration.pressure_for_angle(60.0)
+    simulation.set_pressure_pa_gauge = np.full(3, pressure)
+    run(simulation, 4.0)
+    angle = np.degrees(simulation.tip_angles_rad())
+    assert (angle <= 60.0 + 1.0).all()
+    assert (angle >= calibration.angle_for_pressure(pressure - 4e3) - 0.5).all()
+
+
+def test_wrist_moves_at_the_paper_s_speed_and_arrives(simulation):
+    target = np.array([0.06, -0.08, 0.3, 0.0, 0.0, 0.5])
+    simulation.wrist_target = target
+    qpos = simulation.index.wrist_qpos
+    run(simulation, 0.5)
+    start = simulation.data.qpos[qpos].copy()
+    run(simulation, 0.2)
+    moved = np.linalg.norm((simulation.data.qpos[qpos] - start)[:3])
+    assert moved == pytest.approx(0.1 * 0.2, rel=0.02)
+    run(simulation, 1.0)
+    assert simulation.wrist_arrived
+    assert simulation.data.qpos[qpos] == pytest.approx(target, abs=1e-3)
+
+
+def test_limited_step_never_passes_its_limits_nor_the_target():
+    current, target = np.zeros(6), np.array([3e-4, 4e-4, 0.0, 0.5, -0.5, 1e-4])
+    step = limited_step(current, target, 2e-4, 1e-3)
+    assert step == pytest.approx([1.2e-4, 1.6e-4, 0.0, 1e-3, -1e-3, 1e-4])
+    assert np.array_equal(limited_step(target, target, 2e-4, 1e-3), target)
+
+
+def test_recorded_creep_is_that_of_the_second_half():
+    recorder = Recorder(object_body=0, object_geoms=np.zeros(1, dtype=bool), rest_height_m=0.0)
+    for time in np.arange(0.0, 3.0, 0.02):
+        settling = 1e-3 * np.exp(-time / 0.05)
+        recorder.hold_time_s.append(float(time))
+        recorder.hold_position_m.append(np.array([settling, 0.0, -5e-5 * time]))
+    assert recorder.creep_m_per_s() == pytest.approx(5e-5, rel=1e-3)
+
+
+def test_deepest_contact_of_the_object_is_found(calibration):
+    def ball(root):
+        body = root.worldbody.add("body", name="object")
+        body.add("freejoint")
+        body.add("geom", type="sphere", size=(0.02,))
+
+    scene = build_scene(calibration, add_object=ball)
+    simulation = HandSimulation(model=scene.model, calibration=calibration)
+    simulation.reset(np.random.default_rng(0), np.array([0.0, 0.0, 0.3, 0.0, 0.0, 0.0]))
+    recorder = Recorder.of(simulation, 0.02)
+    recorder.sample(simulation)
+    # the ball's centre lies in the table's plane: it is one radius deep
+    assert recorder.deepest_m == pytest.approx(0.02, rel=1e-6)
