@@ -1,13 +1,13 @@
 import numpy as np
 import pytest
 import scipy.sparse as sp
+from tests_fea_helpers import tube_model
 
 from fea.assembly import Load, SolidModel
-from fea.laws import IsochoricOgden, StVenantKirchhoff
 from fea.lattice import Lattice, build_mesh
+from fea.laws import IsochoricOgden, StVenantKirchhoff
 from fea.linear_solver import SymmetricSolver
 from fea.newton import NewtonOptions, Status, follow, solve_equilibrium
-from tests_fea_helpers import tube_model
 
 SOFT = IsochoricOgden(coefficients_pa=(1.0667e5, 11.25, 609.0), exponents=(1.05, 4.0, -1.6), bulk_modulus_pa=3e7)
 STIFF = StVenantKirchhoff(young_modulus_pa=2.76e6, poisson_ratio=0.417)
