@@ -142,7 +142,7 @@ def analyse_exoskeleton(
     )
     table = np.array(rows).reshape(-1, 11)
     return ExoskeletonResult(
-        load_n=table[:, 0],
+        load_n=np.round(table[:, 0], 9),
         tip_deflection_m=table[:, 1],
         angle_rad=table[:, 2:5],
         moment_n_m=table[:, 5:8],
