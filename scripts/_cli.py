@@ -18,6 +18,11 @@ class Parser(argparse.ArgumentParser):
     def __init__(self, *, description: str | None, examples: str) -> None:
         super().__init__(description=description, epilog=examples, formatter_class=argparse.RawDescriptionHelpFormatter)
 
+    def add_common(self, *, seed: str, json: str) -> None:
+        """Add ``--seed`` and ``--json``, which every script has, with their help texts."""
+        self.add_argument("--seed", type=non_negative_int, default=0, help=f"{seed} (default 0)")
+        self.add_argument("--json", type=Path, metavar="FILE", help=json)
+
     def error(self, message: str) -> NoReturn:
         """Say what is wrong in one line and exit with status 2."""
         print(f"error: {message}", file=sys.stderr)

@@ -1,6 +1,5 @@
 """Write assets/hand/hand.xml and scene.xml from the finger calibration and the anatomy."""
 
-import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -16,14 +15,13 @@ EXAMPLES = """examples:
 """
 
 
-def parser() -> argparse.ArgumentParser:
+def parser() -> _cli.Parser:
     """Return the command line's definition."""
     p = _cli.Parser(description=__doc__, examples=EXAMPLES)
     p.add_argument("--calibration", type=Path, help="finger calibration (default: the shipped one)")
     p.add_argument("--out", type=Path, help="folder (default: assets/hand)")
     p.add_argument("--check", action="store_true", help="write nothing; compare")
-    p.add_argument("--seed", type=_cli.non_negative_int, default=0, help="taken for uniformity; nothing is random")
-    p.add_argument("--json", type=Path, help="write the names of the files to this file")
+    p.add_common(seed="taken for uniformity; nothing is random", json="write the names of the files to this file")
     return p
 
 

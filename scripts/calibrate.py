@@ -48,8 +48,7 @@ def parser() -> _cli.Parser:
         "--choose-flexure", action="store_true", help="find the flexure thickness that gives 95 degrees at 75 kPa"
     )
     p.add_argument("--out", type=Path, help="calibration file (assets/calibration/finger.json)")
-    p.add_argument("--json", type=Path, help="write the two analyses and the fit errors here")
-    p.add_argument("--seed", type=int, default=0, help="accepted for uniformity: the analyses are deterministic")
+    p.add_common(seed="taken for uniformity; nothing is random", json="write the two analyses and the fit errors here")
     return p
 
 

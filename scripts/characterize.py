@@ -29,8 +29,7 @@ def parser() -> _cli.Parser:
     p.add_argument("test", choices=["pressure-angle"], help="which bench test to run")
     p.add_argument("--pressures", type=_pressures, default=DEFAULT_KPA, help=f"kPa gauge (default {DEFAULT_KPA})")
     p.add_argument("--calibration", type=Path, help="finger calibration (default: the shipped one)")
-    p.add_argument("--seed", type=_cli.non_negative_int, default=0, help="taken for uniformity; nothing is random")
-    p.add_argument("--json", type=Path, help="write the figures to this file")
+    p.add_common(seed="taken for uniformity; nothing is random", json="write the figures to this file")
     return p
 
 

@@ -28,7 +28,7 @@ EXAMPLES = """examples:
 """
 
 
-def parser() -> argparse.ArgumentParser:
+def parser() -> _cli.Parser:
     """Return the command line's definition."""
     p = _cli.Parser(description=__doc__, examples=EXAMPLES)
     p.add_argument("--objects", help="names from the catalogue, comma-separated, or 'all' (default without --mesh)")
@@ -38,10 +38,9 @@ def parser() -> argparse.ArgumentParser:
     p.add_argument("--mass", type=_cli.positive_float, help="mass in kg; needed with --mesh, else an override")
     p.add_argument("--friction", type=_cli.non_negative_float, help="sliding friction coefficient, an override")
     p.add_argument("--trials", type=_cli.positive_int, default=20, help="trials per object (default 20)")
-    p.add_argument("--seed", type=_cli.non_negative_int, default=0, help="seed of the first trial (default 0)")
     p.add_argument("--workers", type=_cli.positive_int, default=1, help="processes side by side (default 1)")
     p.add_argument("--calibration", type=Path, help="finger calibration (default: the shipped one)")
-    p.add_argument("--json", type=Path, help="write settings, summary and every trial to this file")
+    p.add_common(seed="seed of the first trial", json="write settings, summary and every trial to this file")
     p.add_argument("--pictures", type=Path, default=Path("out/grasps"), help="folder (default out/grasps)")
     p.add_argument("--no-pictures", action="store_true", help="draw nothing")
     return p

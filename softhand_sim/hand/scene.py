@@ -72,7 +72,7 @@ def add_surroundings(root: mjcf.RootElement, contact: ContactSettings | None = N
     )  # fmt: skip
     root.worldbody.add("light", name="lamp", pos=(0.4, -0.6, 1.2), dir=(-0.3, 0.45, -0.9), castshadow=True)
     root.worldbody.add(
-        "camera", name="front", pos=(0.42, -0.52, 0.36), xyaxes=(0.78, 0.63, 0.0, -0.25, 0.31, 0.92), fovy=38
+        "camera", name="front", pos=(0.36, -0.45, 0.28), xyaxes=(0.781, 0.625, 0.0, -0.167, 0.209, 0.964), fovy=38
     )
 
 

@@ -18,12 +18,3 @@ def test_bad_input_is_one_line_and_a_status(capsys, tmp_path, arguments, message
     assert message in error
     assert len(error.splitlines()) == 1
     assert not out.exists()
-
-
-def test_help_has_examples(capsys):
-    with pytest.raises(SystemExit) as stop:
-        main(["--help"])
-    assert stop.value.code == 0
-    text = capsys.readouterr().out
-    assert "examples:" in text
-    assert "deterministic" in text
