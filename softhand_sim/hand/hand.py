@@ -15,9 +15,10 @@ from softhand_sim.hand.finger import add_finger
 WRIST_SLIDES = ("wrist_x", "wrist_y", "wrist_z")
 WRIST_HINGES = ("wrist_yaw", "wrist_pitch", "wrist_roll")
 WRIST = WRIST_SLIDES + WRIST_HINGES
-# choice: a workspace of half a metre either way, from the table up to 0.8 m; free turning
+# choice: a workspace of half a metre either way, from the table up to 0.8 m; more than a full turn, so that no
+# grasp pose lies on a limit
 SLIDE_RANGE_M = ((-0.5, 0.5), (-0.5, 0.5), (-0.1, 0.8))
-HINGE_RANGE_RAD = (-np.pi, np.pi)
+HINGE_RANGE_RAD = (-4.0, 4.0)
 # choice: clear of a table at z = 0 when the model is loaded; `ref` makes wrist_z the palm's height all the same
 START_HEIGHT_M = 0.25
 # choice: a small arm; keeps a wrist that is commanded far away from being thrown there
