@@ -15,6 +15,7 @@ from scripts import _cli
 from softhand_sim.benchmark.pictures import draw
 from softhand_sim.benchmark.report import summarise, table, trial_rows
 from softhand_sim.benchmark.runner import BenchmarkPlan, in_order, run_benchmark
+from softhand_sim.hand.scene import EngineSettings
 from softhand_sim.objects.catalogue import load_catalogue, make_object
 from softhand_sim.objects.loader import load_mesh_object
 from softhand_sim.objects.model import DEFAULT_FRICTION, ObjectModel
@@ -39,6 +40,7 @@ def parser() -> _cli.Parser:
     p.add_argument("--friction", type=_cli.non_negative_float, help="sliding friction coefficient, an override")
     p.add_argument("--trials", type=_cli.positive_int, default=20, help="trials per object (default 20)")
     p.add_argument("--workers", type=_cli.positive_int, default=1, help="processes side by side (default 1)")
+    p.add_argument("--timestep", type=_cli.positive_float, default=2.0, metavar="MS", help="in ms (default 2)")
     p.add_argument("--calibration", type=Path, help="finger calibration (default: the shipped one)")
     p.add_common(seed="seed of the first trial", json="write settings, summary and every trial to this file")
     p.add_argument("--pictures", type=Path, default=Path("out/grasps"), help="folder (default out/grasps)")
@@ -55,7 +57,11 @@ def _job(argv: Sequence[str] | None) -> int:
     args = parser().parse_args(argv)
     _cli.check_writable(args.json)
     plan = BenchmarkPlan(
-        objects=tuple(_objects(args)), trials=args.trials, seed=args.seed, calibration=args.calibration
+        engine=EngineSettings(timestep_s=1e-3 * args.timestep),
+        objects=tuple(_objects(args)),
+        trials=args.trials,
+        seed=args.seed,
+        calibration=args.calibration,
     )
     total = len(plan.objects) * plan.trials
     running = run_benchmark(plan, args.workers)
@@ -105,6 +111,7 @@ def _settings(args: argparse.Namespace) -> dict[str, Any]:
         "seed": args.seed,
         "mass_kg": args.mass,
         "friction": args.friction,
+        "timestep_s": 1e-3 * args.timestep,
         "mesh": None if args.mesh is None else str(args.mesh),
         "calibration_sha256": hashlib.sha256(file.read_bytes()).hexdigest(),
         "mujoco_version": version("mujoco"),

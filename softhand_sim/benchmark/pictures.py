@@ -5,9 +5,8 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from softhand_sim.benchmark.runner import BenchmarkPlan
-from softhand_sim.calibration import load_calibration
-from softhand_sim.grasp.trial import TrialResult, prepare, run_trial
+from softhand_sim.benchmark.runner import BenchmarkPlan, prepare_for
+from softhand_sim.grasp.trial import TrialResult, run_trial
 from softhand_sim.render import Camera, Picture, around, save_png
 from softhand_sim.simulation import HandSimulation
 
@@ -25,12 +24,11 @@ def draw(plan: BenchmarkPlan, results: list[TrialResult], folder: Path) -> list[
     RenderUnavailableError
         If this machine cannot draw.
     """
-    calibration = load_calibration(plan.calibration)
     files = []
     for model in plan.objects:
         own = [result for result in results if result.object == model.name]
         shown = next((result for result in own if result.outcome == "HELD"), own[0])
-        setup = prepare(model, calibration, protocol=plan.protocol)
+        setup = prepare_for(plan, model)
         at_s = shown.simulated_s - BEFORE_END_S
         taken: list[Picture] = []
         with Camera(setup.scene.model) as camera:

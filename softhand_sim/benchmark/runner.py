@@ -3,12 +3,13 @@
 import multiprocessing
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from softhand_sim.calibration import load_calibration
 from softhand_sim.grasp.protocol import LiftProtocol
-from softhand_sim.grasp.trial import TrialResult, prepare, run_trial
+from softhand_sim.grasp.trial import TrialResult, TrialSetup, prepare, run_trial
+from softhand_sim.hand.scene import EngineSettings
 from softhand_sim.objects.model import ObjectModel
 
 # choice: small enough to keep two workers busy to the end, large enough to share the building of a scene
@@ -24,6 +25,7 @@ class BenchmarkPlan:
     objects: the objects, each with its own name.
     trials: per object; their seeds are ``seed .. seed + trials - 1``, the same for every object.
     calibration: finger calibration file; None for the shipped one.
+    protocol, engine: what a trial does, and the engine's settings.
     """
 
     objects: tuple[ObjectModel, ...]
@@ -31,6 +33,7 @@ class BenchmarkPlan:
     seed: int = 0
     calibration: Path | None = None
     protocol: LiftProtocol = field(default_factory=LiftProtocol)
+    engine: EngineSettings = field(default_factory=EngineSettings)
 
     def __post_init__(self) -> None:
         names = [model.name for model in self.objects]
@@ -65,12 +68,14 @@ def _results(plan: BenchmarkPlan, workers: int) -> Iterator[TrialResult]:
     work = plan.chunks()
     if workers == 1:
         for model, seeds in work:
-            yield from _run_chunk(model, seeds, plan.calibration, plan.protocol)
+            yield from _run_chunk(plan, model, seeds)
         return
+    # a chunk carries its own object: the others need not travel with it
+    lean = replace(plan, objects=plan.objects[:1])
     # spawn: a forked child would inherit the parent's GL and BLAS threads
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(min(workers, len(work)), mp_context=context) as pool:
-        jobs = [pool.submit(_run_chunk, model, seeds, plan.calibration, plan.protocol) for model, seeds in work]
+        jobs = [pool.submit(_run_chunk, lean, model, seeds) for model, seeds in work]
         for job in as_completed(jobs):
             yield from job.result()
 
@@ -81,8 +86,11 @@ def in_order(plan: BenchmarkPlan, results: Sequence[TrialResult]) -> list[TrialR
     return sorted(results, key=lambda result: (place[result.object], result.seed))
 
 
-def _run_chunk(
-    model: ObjectModel, seeds: tuple[int, ...], calibration: Path | None, protocol: LiftProtocol
-) -> list[TrialResult]:
-    setup = prepare(model, load_calibration(calibration), protocol=protocol)
+def _run_chunk(plan: BenchmarkPlan, model: ObjectModel, seeds: tuple[int, ...]) -> list[TrialResult]:
+    setup = prepare_for(plan, model)
     return [run_trial(setup, seed) for seed in seeds]
+
+
+def prepare_for(plan: BenchmarkPlan, model: ObjectModel) -> TrialSetup:
+    """Return what the trials of one object of the plan share."""
+    return prepare(model, load_calibration(plan.calibration), protocol=plan.protocol, engine=plan.engine)
