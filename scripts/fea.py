@@ -1,0 +1,234 @@
+"""Finite-element analyses of the finger's parts: actuator alone and exoskeleton alone."""
+
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields, replace
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+if sys.path and Path(sys.path[0]).resolve() == Path(__file__).resolve().parent:
+    # started by its path: the folder of this script would hide the package ``fea`` behind the script itself
+    sys.path[0] = str(Path(__file__).resolve().parents[1])
+
+from tqdm import tqdm
+
+from assets import asset_path
+from fea.checkpoint import Checkpoints
+from fea.density import DENSITIES
+from fea.exoskeleton import LOADS_N
+from fea.geometry import FingerGeometry
+from fea.inputs import check_loads, check_pressures
+from fea.materials import VOLUMETRIC_READINGS, Material, load_material
+from fea.newton import Status, Step, Sweep
+from fea.results import write_results
+from fea.study import Setup, Study, actuator_study, exoskeleton_study
+from scripts import _cli
+
+EXAMPLES = """examples:
+  fea.py actuator --mesh coarse --pressures 10,20,30,40 --json out/actuator.json
+  fea.py actuator --silicone ecoflex-00-50/set1 --volumetric d1_literal --no-rings --pressures 2,4,6
+  fea.py actuator --dimension actuator_inner_radius_m=0.0032 --out out/thin   # VTU, pictures, checkpoint
+  fea.py exoskeleton --tpu ninjaflex/set2 --json out/exoskeleton.json --out out/exoskeleton
+A killed run with --out goes on from its last converged step when the same command is given again.
+"""
+PATH_ENDED_EARLY = 1
+
+
+@dataclass(frozen=True, kw_only=True)
+class Analysis:
+    """One subcommand: how its loads are given, checked and swept, and how its results are drawn."""
+
+    help: str
+    option: str
+    default: str
+    unit: str
+    scale: float
+    loads_help: str
+    check: Callable[[Sequence[float]], None]
+    study: Callable[[Setup, Sequence[float], Sweep], Study]
+    parameter_offset: float = 0.0
+    curve: tuple[str, str]
+
+
+ANALYSES = {
+    "actuator": Analysis(
+        help="actuator alone, base fixed, pressure on the chamber walls",
+        option="--pressures",
+        default="10,20,30,40,50,60",
+        unit="kPa",
+        scale=1e3,
+        loads_help="increasing gauge pressures in kPa",
+        check=check_pressures,
+        study=actuator_study,
+        curve=("axial_stretch", "axial stretch of the chamber"),
+    ),
+    "exoskeleton": Analysis(
+        help="exoskeleton alone, clamped at its base, self-weight and a load at the distal joint",
+        option="--loads",
+        default=",".join(f"{load:g}" for load in LOADS_N),
+        unit="N",
+        scale=1.0,
+        loads_help="increasing loads in N, on top of the self-weight, which is always there",
+        check=check_loads,
+        study=exoskeleton_study,
+        parameter_offset=-1.0,
+        curve=("tip_deflection_m", "tip deflection / m"),
+    ),
+}
+"""A further analysis is one entry here and one study function."""
+
+
+def numbers(text: str) -> list[float]:
+    """Parse numbers separated by commas (argparse type)."""
+    return [float(part) for part in text.split(",")]
+
+
+def dimension(text: str) -> tuple[str, float]:
+    """Parse ``NAME=VALUE`` (argparse type)."""
+    name, _, value = text.partition("=")
+    return name.strip(), float(value)
+
+
+def parser() -> _cli.Parser:
+    """Return the command line."""
+    p = _cli.Parser(description=__doc__, examples=EXAMPLES)
+    p.add_argument("analysis", choices=sorted(ANALYSES), help="; ".join(f"{k}: {a.help}" for k, a in ANALYSES.items()))
+    for analysis in ANALYSES.values():
+        p.add_argument(analysis.option, type=numbers, help=f"{analysis.loads_help} ({analysis.default})")
+    p.add_argument("--silicone", default="ecoflex-00-50/set3", help="sheet/set, or FILE.toml/set (%(default)s)")
+    p.add_argument("--tpu", default="ninjaflex/set3", help="sheet/set of the exoskeleton (%(default)s)")
+    p.add_argument("--thread", default="pet/paper", help="sheet/set of the rings, linear elastic (%(default)s)")
+    p.add_argument(
+        "--volumetric", choices=VOLUMETRIC_READINGS, help="reading of the volumetric term (default: the sheet's own)"
+    )
+    p.add_argument("--mesh", choices=list(DENSITIES), default="calibration", help="mesh density (%(default)s)")
+    p.add_argument("--rings", action=_boolean(), default=True, help="reinforcement rings in the actuator (yes)")
+    p.add_argument(
+        "--dimension", type=dimension, action="append", default=[], metavar="NAME=VALUE", help="a dimension in metres"
+    )
+    p.add_argument("--json", type=Path, help="write the figures here")
+    p.add_argument("--out", type=Path, help="folder of checkpoint, VTU fields and pictures")
+    p.add_argument("--pictures", action=_boolean(), default=True, help="draw into --out (yes)")
+    p.add_argument("--seed", type=_cli.non_negative_int, default=0, help="taken for uniformity; nothing is random")
+    return p
+
+
+def _boolean() -> Any:
+    from argparse import BooleanOptionalAction  # noqa: PLC0415 - only its name is needed
+
+    return BooleanOptionalAction
+
+
+def job(argv: Sequence[str] | None = None) -> int:
+    """Run one analysis; return the exit status."""
+    args = parser().parse_args(argv)
+    analysis = ANALYSES[args.analysis]
+    levels = _levels(args, analysis)
+    setup = _setup(args)
+    _cli.check_writable(args.json)
+    pictures = args.out is not None and args.pictures
+    if pictures and find_spec("matplotlib") is None:
+        raise ValueError("--pictures: matplotlib is missing (pip install 'softhand-sim[plots]', or --no-pictures)")
+    study = _run(args, analysis, setup, levels)
+    if args.json is not None:
+        more = {"analysis": args.analysis, "provenance": setup.provenance()}
+        _cli.write_json(args.json, study.figures | more)
+    if args.out is not None:
+        write_results(args.out, study, unit=analysis.unit, scale=analysis.scale, curve=analysis.curve, draw=pictures)
+    _print(study, analysis)
+    if study.status is not Status.CONVERGED:
+        last = study.levels[-1] / analysis.scale
+        print(f"{study.status.value}: no equilibrium found above {last:g} {analysis.unit}", file=sys.stderr)
+        return PATH_ENDED_EARLY
+    return 0
+
+
+def _levels(args: Any, analysis: Analysis) -> list[float]:
+    for other in ANALYSES.values():
+        if other is not analysis and getattr(args, other.option.strip("-")) is not None:
+            raise ValueError(f"{other.option}: not an option of {args.analysis}")
+    given = getattr(args, analysis.option.strip("-"))
+    levels = [analysis.scale * v for v in (numbers(analysis.default) if given is None else given)]
+    analysis.check(levels)
+    return levels
+
+
+def _setup(args: Any) -> Setup:
+    names = {f.name for f in fields(FingerGeometry) if f.type is float}
+    for name, _ in args.dimension:
+        if name not in names:
+            raise ValueError(f"--dimension {name}: no such dimension; allowed: {', '.join(sorted(names))}")
+    return Setup(
+        geometry=replace(FingerGeometry(), **dict(args.dimension)),
+        silicone=_material("--silicone", args.silicone, args.volumetric if args.analysis != "exoskeleton" else None),
+        tpu=_material("--tpu", args.tpu, args.volumetric if args.analysis == "exoskeleton" else None),
+        pet=_material("--thread", args.thread, None),
+        density=DENSITIES[args.mesh],
+        rings=args.rings,
+    )
+
+
+def _material(option: str, text: str, volumetric: str | None) -> Material:
+    sheet, _, chosen = text.rpartition("/")
+    if not sheet:
+        sheet, chosen = chosen, ""
+    if not sheet.endswith(".toml"):
+        shipped = sorted(file.stem.replace("_", "-") for file in asset_path("materials").glob("*.toml"))
+        if sheet.replace("_", "-") not in shipped:
+            raise ValueError(f"{option} {text}: no material {sheet!r}; shipped: {', '.join(shipped)}")
+        sheet = sheet.replace("-", "_")
+    try:
+        return load_material(sheet, chosen or None, volumetric)
+    except ValueError as error:
+        raise ValueError(f"{option} {text}: {error}") from None
+
+
+def _run(args: Any, analysis: Analysis, setup: Setup, levels: list[float]) -> Study:
+    checkpoints, resume = None, []
+    if args.out is not None:
+        checkpoints = Checkpoints(args.out / "checkpoint", setup.identity(args.analysis, levels))
+        resume = checkpoints.load()
+    with tqdm(total=len(levels), desc=args.analysis, unit="level") as bar:
+        done = [0.0]
+
+        def level(parameter: float) -> float:
+            return max(0.0, parameter + analysis.parameter_offset)
+
+        def on_iteration(parameter: float, iteration: int, residual: float) -> None:
+            at = level(parameter) / analysis.scale
+            bar.set_postfix_str(f"{at:g} {analysis.unit}, iteration {iteration}, residual {residual:.1e}")
+
+        def on_step(step: Step) -> None:
+            if checkpoints is not None:
+                checkpoints.save(step)
+            reached = sum(value <= level(step.parameter) * (1.0 + 1e-12) for value in levels)
+            bar.update(reached - done[0])
+            done[0] = reached
+
+        if resume:
+            done[0] = sum(value <= level(resume[-1].parameter) * (1.0 + 1e-12) for value in levels)
+            bar.update(done[0])
+            bar.write(f"resumed after {len(resume)} steps", file=sys.stderr)
+        return analysis.study(setup, levels, Sweep(on_iteration=on_iteration, on_step=on_step, resume=resume))
+
+
+def _print(study: Study, analysis: Analysis) -> None:
+    key, label = analysis.curve
+    print(f"{analysis.unit:>8}  {label}")
+    for value, measured in zip(study.levels, study.figures[key], strict=True):
+        print(f"{value / analysis.scale:>8g}  {measured:.6g}")
+    f = study.figures
+    print(
+        f"{f['dofs']} dofs, {f['newton_iterations']} iterations, {f['wall_s']:.1f} s "
+        f"(assembly {f['assembly_s']:.1f}, solve {f['solve_s']:.1f}, contact {f['contact_s']:.1f})"
+    )
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Entry point."""
+    return _cli.run(job, argv)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
