@@ -2,7 +2,7 @@
 
 import sys
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -84,12 +84,6 @@ def numbers(text: str) -> list[float]:
     return [float(part) for part in text.split(",")]
 
 
-def dimension(text: str) -> tuple[str, float]:
-    """Parse ``NAME=VALUE`` (argparse type)."""
-    name, _, value = text.partition("=")
-    return name.strip(), float(value)
-
-
 def parser() -> _cli.Parser:
     """Return the command line."""
     p = _cli.Parser(description=__doc__, examples=EXAMPLES)
@@ -104,9 +98,7 @@ def parser() -> _cli.Parser:
     )
     p.add_argument("--mesh", choices=list(DENSITIES), default="calibration", help="mesh density (%(default)s)")
     p.add_argument("--rings", action=_boolean(), default=True, help="reinforcement rings in the actuator (yes)")
-    p.add_argument(
-        "--dimension", type=dimension, action="append", default=[], metavar="NAME=VALUE", help="a dimension in metres"
-    )
+    _cli.add_dimension(p)
     p.add_argument("--json", type=Path, help="write the figures here")
     p.add_argument("--out", type=Path, help="folder of checkpoint, VTU fields and pictures")
     p.add_argument("--pictures", action=_boolean(), default=True, help="draw into --out (yes)")
@@ -127,6 +119,7 @@ def job(argv: Sequence[str] | None = None) -> int:
     levels = _levels(args, analysis)
     setup = _setup(args)
     _cli.check_writable(args.json)
+    _cli.check_writable(None if args.out is None else args.out / "curve.png", "--out")
     pictures = args.out is not None and args.pictures
     if pictures and find_spec("matplotlib") is None:
         raise ValueError("--pictures: matplotlib is missing (pip install 'softhand-sim[plots]', or --no-pictures)")
@@ -155,12 +148,8 @@ def _levels(args: Any, analysis: Analysis) -> list[float]:
 
 
 def _setup(args: Any) -> Setup:
-    names = {f.name for f in fields(FingerGeometry) if f.type is float}
-    for name, _ in args.dimension:
-        if name not in names:
-            raise ValueError(f"--dimension {name}: no such dimension; allowed: {', '.join(sorted(names))}")
     return Setup(
-        geometry=replace(FingerGeometry(), **dict(args.dimension)),
+        geometry=_cli.with_dimensions(FingerGeometry(), args.dimension),
         silicone=_material("--silicone", args.silicone, args.volumetric if args.analysis != "exoskeleton" else None),
         tpu=_material("--tpu", args.tpu, args.volumetric if args.analysis == "exoskeleton" else None),
         pet=_material("--thread", args.thread, None),
