@@ -66,7 +66,7 @@ class Checkpoints:
 
     def _read(self, file: Path) -> Step:
         try:
-            with np.load(file, allow_pickle=False) as data:
+            with file.open("rb") as stream, np.load(stream, allow_pickle=False) as data:
                 about = json.loads(str(data["about"]))
                 parameter, residual, u_m = float(data["parameter"]), float(data["residual"]), data["u_m"]
         except (OSError, ValueError, KeyError, EOFError, BadZipFile) as error:

@@ -1,6 +1,7 @@
 """Finite-element analyses of the finger's parts: actuator alone and exoskeleton alone."""
 
 import sys
+from argparse import BooleanOptionalAction
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
@@ -11,6 +12,7 @@ if sys.path and Path(sys.path[0]).resolve() == Path(__file__).resolve().parent:
     # started by its path: the folder of this script would hide the package ``fea`` behind the script itself
     sys.path[0] = str(Path(__file__).resolve().parents[1])
 
+import numpy as np
 from tqdm import tqdm
 
 from assets import asset_path
@@ -37,7 +39,11 @@ PATH_ENDED_EARLY = 1
 
 @dataclass(frozen=True, kw_only=True)
 class Analysis:
-    """One subcommand: how its loads are given, checked and swept, and how its results are drawn."""
+    """One subcommand: how its loads are given, checked and swept, and how its results are drawn.
+
+    ``level`` maps the load path's parameter to the load in SI units, ``curve`` names a figure and its label; several
+    analyses may share an option.
+    """
 
     help: str
     option: str
@@ -47,15 +53,15 @@ class Analysis:
     loads_help: str
     check: Callable[[Sequence[float]], None]
     study: Callable[[Setup, Sequence[float], Sweep], Study]
-    parameter_offset: float = 0.0
     curve: tuple[str, str]
+    level: Callable[[float], float] = lambda parameter: parameter
 
 
 ANALYSES = {
     "actuator": Analysis(
         help="actuator alone, base fixed, pressure on the chamber walls",
         option="--pressures",
-        default="10,20,30,40,50,60",
+        default="5,10,15,20,25,30,35,40,45,50,55,60",
         unit="kPa",
         scale=1e3,
         loads_help="increasing gauge pressures in kPa",
@@ -72,8 +78,8 @@ ANALYSES = {
         loads_help="increasing loads in N, on top of the self-weight, which is always there",
         check=check_loads,
         study=exoskeleton_study,
-        parameter_offset=-1.0,
         curve=("tip_deflection_m", "tip deflection / m"),
+        level=lambda parameter: max(0.0, parameter - 1.0),  # 0 to 1 brings in the self-weight
     ),
 }
 """A further analysis is one entry here and one study function."""
@@ -88,8 +94,10 @@ def parser() -> _cli.Parser:
     """Return the command line."""
     p = _cli.Parser(description=__doc__, examples=EXAMPLES)
     p.add_argument("analysis", choices=sorted(ANALYSES), help="; ".join(f"{k}: {a.help}" for k, a in ANALYSES.items()))
-    for analysis in ANALYSES.values():
-        p.add_argument(analysis.option, type=numbers, help=f"{analysis.loads_help} ({analysis.default})")
+    for option in _options():
+        users = [(name, a) for name, a in ANALYSES.items() if a.option == option]
+        text = "; ".join(f"{name}: {a.loads_help} ({a.default})" for name, a in users)
+        p.add_argument(option, type=numbers, help=text)
     p.add_argument("--silicone", default="ecoflex-00-50/set3", help="sheet/set, or FILE.toml/set (%(default)s)")
     p.add_argument("--tpu", default="ninjaflex/set3", help="sheet/set of the exoskeleton (%(default)s)")
     p.add_argument("--thread", default="pet/paper", help="sheet/set of the rings, linear elastic (%(default)s)")
@@ -97,19 +105,19 @@ def parser() -> _cli.Parser:
         "--volumetric", choices=VOLUMETRIC_READINGS, help="reading of the volumetric term (default: the sheet's own)"
     )
     p.add_argument("--mesh", choices=list(DENSITIES), default="calibration", help="mesh density (%(default)s)")
-    p.add_argument("--rings", action=_boolean(), default=True, help="reinforcement rings in the actuator (yes)")
+    p.add_argument(
+        "--rings", action=BooleanOptionalAction, default=True, help="reinforcement rings in the actuator (yes)"
+    )
     _cli.add_dimension(p)
     p.add_argument("--json", type=Path, help="write the figures here")
     p.add_argument("--out", type=Path, help="folder of checkpoint, VTU fields and pictures")
-    p.add_argument("--pictures", action=_boolean(), default=True, help="draw into --out (yes)")
+    p.add_argument("--pictures", action=BooleanOptionalAction, default=True, help="draw into --out (yes)")
     p.add_argument("--seed", type=_cli.non_negative_int, default=0, help="taken for uniformity; nothing is random")
     return p
 
 
-def _boolean() -> Any:
-    from argparse import BooleanOptionalAction  # noqa: PLC0415 - only its name is needed
-
-    return BooleanOptionalAction
+def _options() -> list[str]:
+    return list(dict.fromkeys(analysis.option for analysis in ANALYSES.values()))
 
 
 def job(argv: Sequence[str] | None = None) -> int:
@@ -138,9 +146,9 @@ def job(argv: Sequence[str] | None = None) -> int:
 
 
 def _levels(args: Any, analysis: Analysis) -> list[float]:
-    for other in ANALYSES.values():
-        if other is not analysis and getattr(args, other.option.strip("-")) is not None:
-            raise ValueError(f"{other.option}: not an option of {args.analysis}")
+    for option in _options():
+        if option != analysis.option and getattr(args, option.strip("-")) is not None:
+            raise ValueError(f"{option}: not an option of {args.analysis}")
     given = getattr(args, analysis.option.strip("-"))
     levels = [analysis.scale * v for v in (numbers(analysis.default) if given is None else given)]
     analysis.check(levels)
@@ -179,25 +187,22 @@ def _run(args: Any, analysis: Analysis, setup: Setup, levels: list[float]) -> St
         checkpoints = Checkpoints(args.out / "checkpoint", setup.identity(args.analysis, levels))
         resume = checkpoints.load()
     with tqdm(total=len(levels), desc=args.analysis, unit="level") as bar:
-        done = [0.0]
-
-        def level(parameter: float) -> float:
-            return max(0.0, parameter + analysis.parameter_offset)
 
         def on_iteration(parameter: float, iteration: int, residual: float) -> None:
-            at = level(parameter) / analysis.scale
+            at = analysis.level(parameter) / analysis.scale
             bar.set_postfix_str(f"{at:g} {analysis.unit}, iteration {iteration}, residual {residual:.1e}")
+
+        def count(step: Step) -> None:
+            bar.update(int(np.isclose(analysis.level(step.parameter), levels, rtol=1e-9, atol=0.0).any()))
 
         def on_step(step: Step) -> None:
             if checkpoints is not None:
                 checkpoints.save(step)
-            reached = sum(value <= level(step.parameter) * (1.0 + 1e-12) for value in levels)
-            bar.update(reached - done[0])
-            done[0] = reached
+            count(step)
 
+        for step in resume:
+            count(step)
         if resume:
-            done[0] = sum(value <= level(resume[-1].parameter) * (1.0 + 1e-12) for value in levels)
-            bar.update(done[0])
             bar.write(f"resumed after {len(resume)} steps", file=sys.stderr)
         return analysis.study(setup, levels, Sweep(on_iteration=on_iteration, on_step=on_step, resume=resume))
 
