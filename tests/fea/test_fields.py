@@ -4,7 +4,7 @@ import pytest
 from fea.assembly import SolidModel
 from fea.fields import node_strain, point_positions, von_mises_fields
 from fea.lattice import Lattice, build_mesh
-from fea.laws import IsochoricOgden
+from fea.laws import IsochoricOgden, StVenantKirchhoff
 
 
 @pytest.fixture(scope="module")
@@ -40,9 +40,12 @@ def test_uniaxial_stretch_has_its_closed_forms_at_any_rotation(block, stretch):
     assert fields.element_stress_pa() == pytest.approx(np.full(len(fields.strain), stress), rel=1e-9)
 
 
-def test_rigid_motion_and_dilatation_leave_no_von_mises_measure(block):
+@pytest.mark.parametrize("law", [None, StVenantKirchhoff(young_modulus_pa=1e6, poisson_ratio=0.3)])
+def test_rigid_motion_and_dilatation_leave_no_von_mises_measure(block, law):
+    laws = block.laws if law is None else {0: law, 1: law}
+    model = SolidModel(mesh=block.mesh, laws=laws, fixed=np.zeros((len(block.mesh.points_m), 3), dtype=bool))
     for F in (turn(2.0), 1.3 * turn(0.4)):
-        fields = von_mises_fields(block, moved(block, F))
+        fields = von_mises_fields(model, moved(model, F))
         assert fields.strain.max() < 1e-7
         assert fields.stress_pa.max() < 0.1
 

@@ -5,7 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from fea.actuator import SILICONE
 from fea.density import DENSITIES
+from fea.fields import node_strain
 from fea.newton import Status, Sweep
 from fea.study import Setup, actuator_study, exoskeleton_study
 
@@ -31,6 +33,16 @@ def test_actuator_s_highest_strain_is_at_the_inner_surface(inflated, geometry):
     radius = inflated.figures["max_von_mises_strain_radius_m"]
     assert radius[0] is None
     assert radius[1:] == pytest.approx([geometry.actuator_inner_radius_m] * 2)
+
+
+def test_strain_falls_from_the_inner_surface_outwards_away_from_the_cap(inflated, geometry):
+    cylindrical = inflated.model.mesh.cylindrical
+    strain = node_strain(inflated.model, inflated.states[-1], SILICONE)
+    middle = np.abs(cylindrical[:, 2] - 0.5 * short(geometry).chamber_length_m) <= 1.01 * geometry.ring_pitch_m
+    radii = (geometry.actuator_inner_radius_m, geometry.ring_radius_m, geometry.actuator_outer_radius_m)
+    inner, middle_wall, outer = (strain[middle & np.isclose(cylindrical[:, 0], r, atol=1e-6)].mean() for r in radii)
+    assert inner > 1.2 * middle_wall
+    assert middle_wall > outer
 
 
 def test_wall_thins_as_the_actuator_lengthens(inflated, geometry, materials):
