@@ -8,11 +8,13 @@ import numpy as np
 from fea.arrays import F64, Bool
 from fea.assembly import Load, SolidModel
 from fea.cavity import Cavity
+from fea.cost import NO_COST, Cost
 from fea.geometry import FingerGeometry
+from fea.inputs import check_pressures
 from fea.lattice import VOID, Lattice, SolidMesh, build_mesh, free_faces, split, symmetry_nodes
 from fea.linear_solver import SymmetricSolver
 from fea.materials import Material
-from fea.newton import NewtonOptions, Status, follow
+from fea.newton import NewtonOptions, Status, Sweep, follow
 
 SILICONE, RING = 0, 1
 
@@ -66,6 +68,7 @@ class ActuatorResult:
     iterations: int
     dofs: int
     elements: int
+    cost: Cost = NO_COST
 
 
 def actuator_lattice(geometry: FingerGeometry, mesh: ActuatorMesh, *, rings: bool = True) -> Lattice:
@@ -124,10 +127,10 @@ def analyse_actuator(
     *,
     options: NewtonOptions | None = None,
     progress: Callable[[], None] = lambda: None,
+    sweep: Sweep | None = None,
 ) -> ActuatorResult:
     """Inflate through increasing gauge pressures; ends early, with the status, where equilibrium is lost."""
-    if not pressures_pa_gauge or np.any(np.diff([0.0, *pressures_pa_gauge]) <= 0.0):
-        raise ValueError(f"pressures_pa_gauge = {pressures_pa_gauge} must be positive and increasing")
+    check_pressures(pressures_pa_gauge)
     solid, cavity = model.mesh, model.cavity
     if cavity is None:
         raise ValueError("model: an actuator needs its cavity")
@@ -145,6 +148,7 @@ def analyse_actuator(
         options or NewtonOptions(),
         on_target=record,
         extrapolate=True,
+        sweep=sweep,
     )
     pressure, lengthening, volume, growth, stretch, area = np.array(rows).T
     return ActuatorResult(
@@ -159,6 +163,7 @@ def analyse_actuator(
         iterations=outcome.iterations,
         dofs=len(model.free),
         elements=len(solid.elements),
+        cost=outcome.cost,
     )
 
 

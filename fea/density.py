@@ -30,4 +30,13 @@ _CALIBRATION = Density(
     pressures_pa_gauge=tuple(1e3 * p for p in (5, 10, 15, 20, 25, 30, 35, 40, 45, 50, 55, 60)),
 )
 
-DENSITIES = {density.name: density for density in (_COARSE, _CALIBRATION)}
+_REFERENCE = Density(
+    name="reference",
+    # average element size of at most 1 mm (reinforcement), 1.5 mm (silicone) and 2.5 mm (exoskeleton): Alves et al.,
+    # section 3.2; never coarser than the calibration mesh, so the rings' layers are finer than the paper's
+    actuator=ActuatorMesh(theta_cells=15, inner_cells=2, gap_cells=2, cap_cells=2, core_cells=2),
+    exoskeleton=ExoskeletonMesh(sector_cells=5, rest_cells=7, wall_cells=2, gap_cells=6, segment_cells=10),
+    pressures_pa_gauge=_CALIBRATION.pressures_pa_gauge,
+)
+
+DENSITIES = {density.name: density for density in (_COARSE, _CALIBRATION, _REFERENCE)}

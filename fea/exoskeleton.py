@@ -7,10 +7,12 @@ import numpy as np
 
 from fea.arrays import F64, Bool
 from fea.assembly import Load, SolidModel
+from fea.cost import NO_COST, Cost
 from fea.geometry import FingerGeometry
+from fea.inputs import check_loads
 from fea.lattice import VOID, Lattice, build_mesh, split, symmetry_nodes
 from fea.materials import Material
-from fea.newton import NewtonOptions, Status, follow
+from fea.newton import NewtonOptions, Status, Sweep, follow
 
 TPU = 0
 LOADS_N = (0.07, 0.16, 0.27, 0.40, 0.56)
@@ -47,8 +49,8 @@ class ExoskeletonResult:
     angle_rad, moment_n_m, lengthening_m : arrays [n, 3]
         Joint rotations, bending moments (whole finger, deformed configuration) and lengthening of the actuator's axis
         across each gap, taken as an arc of constant curvature that meets the tube's sections at right angles.
-    status, iterations, dofs, elements
-        How the solve ended and its size.
+    status, iterations, dofs, elements, cost
+        How the solve ended, its size and its cost.
     """
 
     load_n: F64
@@ -60,6 +62,7 @@ class ExoskeletonResult:
     iterations: int
     dofs: int
     elements: int
+    cost: Cost = NO_COST
 
 
 def exoskeleton_lattice(geometry: FingerGeometry, mesh: ExoskeletonMesh) -> Lattice:
@@ -107,13 +110,13 @@ def analyse_exoskeleton(
     loads_n: tuple[float, ...] = LOADS_N,
     options: NewtonOptions | None = None,
     progress: Callable[[], None] = lambda: None,
+    sweep: Sweep | None = None,
 ) -> ExoskeletonResult:
     """Load the exoskeleton in the closing direction (+x; choice: the paper's figure is not available).
 
     The load is spread as a dead body force over the flexure of the distal joint; self-weight acts the same way.
     """
-    if not loads_n or np.any(np.diff([0.0, *loads_n]) <= 0.0):
-        raise ValueError(f"loads_n = {loads_n} must be positive and increasing")
+    check_loads(loads_n)
     down = np.array([1.0, 0.0, 0.0])
     weight = model.gravity_force({TPU: tpu.density_kg_m3}, GRAVITY_M_S2 * down)
     unit = _distal_unit_force(model, geometry) * down
@@ -139,6 +142,7 @@ def analyse_exoskeleton(
         sorted([*halves, *targets]),
         settings,
         on_target=lambda s, u: record(s, u) if s in targets else None,
+        sweep=sweep,
     )
     table = np.array(rows).reshape(-1, 11)
     return ExoskeletonResult(
@@ -151,6 +155,7 @@ def analyse_exoskeleton(
         iterations=outcome.iterations,
         dofs=len(model.free),
         elements=len(model.mesh.elements),
+        cost=outcome.cost,
     )
 
 

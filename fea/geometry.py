@@ -52,6 +52,14 @@ class FingerGeometry:
         self._check_gaps()
 
     def _check_walls(self) -> None:
+        inner, outer = self.actuator_inner_radius_m, self.actuator_outer_radius_m
+        if inner >= outer:
+            raise ValueError(f"actuator_inner_radius_m = {inner:.6g} m: chamber larger than actuator ({outer:.6g} m)")
+        if self.cap_thickness_m >= self.actuator_length_m:
+            raise ValueError(
+                f"cap_thickness_m = {self.cap_thickness_m:.6g} m must be below actuator_length_m"
+                f" = {self.actuator_length_m:.6g} m: it leaves no chamber"
+            )
         walls = {
             "actuator_outer_radius_m - actuator_inner_radius_m": self.actuator_wall_m,
             "cap_thickness_m": self.cap_thickness_m,

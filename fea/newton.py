@@ -4,14 +4,16 @@ No energy line search: near-inextensible rings make the linear step stretch them
 energy then cripples the method.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from enum import Enum
+from functools import partial
 
 import numpy as np
 
 from fea.arrays import F64
 from fea.assembly import Load, SolidModel
+from fea.cost import NO_COST, Cost, Stopwatch
 from fea.linear_solver import SymmetricSolver
 
 
@@ -59,6 +61,7 @@ class Outcome:
     u_m: F64
     iterations: int
     residual: float
+    cost: Cost = NO_COST
 
     @property
     def converged(self) -> bool:
@@ -66,12 +69,62 @@ class Outcome:
         return self.status is Status.CONVERGED
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Step:
+    """A converged load step: parameter, displacement [n_nodes, 3], its own iterations and residual, cost so far."""
+
+    parameter: float
+    u_m: F64
+    iterations: int
+    residual: float
+    cost: Cost
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Sweep:
+    """What a load path reports while it runs, and the steps of a broken run that it goes on from.
+
+    Attributes
+    ----------
+    on_iteration : callable
+        Gets the parameter aimed at, the iteration and the relative residual.
+    on_step : callable
+        Gets every newly converged step.
+    resume : sequence of Step
+        Converged steps of an earlier run of the same path, in order.
+    """
+
+    on_iteration: Callable[[float, int, float], None] = lambda *_: None
+    on_step: Callable[[Step], None] = lambda *_: None
+    resume: Sequence[Step] = ()
+
+
 def solve_equilibrium(
-    model: SolidModel, u_m: F64, load: Load, options: NewtonOptions, solver: SymmetricSolver
+    model: SolidModel,
+    u_m: F64,
+    load: Load,
+    options: NewtonOptions,
+    solver: SymmetricSolver,
+    on_iteration: Callable[[int, float], None] = lambda *_: None,
 ) -> Outcome:
     """Iterate from ``u_m`` (which satisfies the supports) to equilibrium under ``load``."""
+    watch = Stopwatch()
+    outcome = _iterate(model, u_m, load, options, solver, on_iteration, watch)
+    return replace(outcome, cost=watch.cost(outcome.iterations))
+
+
+def _iterate(
+    model: SolidModel,
+    u_m: F64,
+    load: Load,
+    options: NewtonOptions,
+    solver: SymmetricSolver,
+    on_iteration: Callable[[int, float], None],
+    watch: Stopwatch,
+) -> Outcome:
     u = u_m.copy()
-    state = model.evaluate(u, load)
+    with watch.time("assembly"):
+        state = model.evaluate(u, load)
     relative = np.inf
     for iteration in range(options.max_iterations + 1):
         if state is None or state.tangent is None:
@@ -80,18 +133,21 @@ def solve_equilibrium(
         forces = (state.external_n, state.internal_n, state.reaction_n)
         scale = max(1e-12, *(float(np.linalg.norm(force)) for force in forces))
         relative = float(np.linalg.norm(imbalance)) / scale
+        on_iteration(iteration, relative)
         if relative <= options.relative_tolerance:
             return Outcome(status=Status.CONVERGED, u_m=u, iterations=iteration, residual=relative)
         if iteration == options.max_iterations:
             break
-        step = solver.solve(state.tangent, imbalance)
+        with watch.time("solve"):
+            step = solver.solve(state.tangent, imbalance)
         if step is None:
             return Outcome(status=Status.SINGULAR, u_m=u, iterations=iteration, residual=relative)
         step *= min(1.0, options.step_cap_m / max(float(np.abs(step).max()), 1e-30))
         for _ in range(6):  # halve the step while it would invert an element
             trial = u.copy()
             trial.reshape(-1)[model.free] += step
-            state = model.evaluate(trial, load)
+            with watch.time("assembly"):
+                state = model.evaluate(trial, load)
             if state is not None:
                 u = trial
                 break
@@ -107,6 +163,7 @@ def follow(
     *,
     on_target: Callable[[float, F64], None],
     extrapolate: bool = False,
+    sweep: Sweep | None = None,
 ) -> Outcome:
     """Go through increasing load parameters, halving a step that fails and growing it again when one works.
 
@@ -116,41 +173,58 @@ def follow(
     load_at : callable
         Load at a parameter; 0 is the unloaded state.
     targets : list of float
-        Increasing parameters at which ``on_target(parameter, u)`` is called.
+        Increasing parameters at which ``on_target(parameter, u)`` is called, those of resumed steps included.
     options : NewtonOptions
     on_target : callable
     extrapolate : bool
         Start each step from the linear extrapolation of the last two states.
+    sweep : Sweep, optional
+        Reports and the steps to go on from.
 
     Returns
     -------
     Outcome
-        Of the last step; not converged if the path ended before the last target. ``iterations`` is the total.
+        Of the last step; not converged if the path ended before the last target. ``iterations`` and ``cost`` are of
+        the whole path, the resumed part included.
     """
-    u = np.zeros_like(model.mesh.points_m)
-    before: tuple[float, F64] | None = None
-    at, total = 0.0, 0
+    sweep = sweep or Sweep()
+    zero = np.zeros_like(model.mesh.points_m)
+    states = [(0.0, zero), *((step.parameter, step.u_m) for step in sweep.resume)]
+    before, (at, u) = (states[-2] if len(states) > 1 else None), states[-1]
+    spent = sweep.resume[-1].cost if sweep.resume else NO_COST
+    reached = dict(states)
     solver = SymmetricSolver()
     outcome = Outcome(status=Status.CONVERGED, u_m=u, iterations=0, residual=0.0)
+    start = 0.0
     for target in targets:
-        span = target - at
+        span, start = target - start, target
         fraction = 1.0
         while at < target:
             step = min(fraction * span, target - at)
+            aim = target if step >= target - at else at + step
             guess = u
             if extrapolate and before is not None:
                 guess = u + (u - before[1]) * step / (at - before[0])
-            outcome = solve_equilibrium(model, guess, load_at(at + step), options, solver)
-            total += outcome.iterations
+            outcome = solve_equilibrium(
+                model,
+                guess,
+                load_at(at + step),
+                options,
+                solver,
+                partial(sweep.on_iteration, aim),
+            )
+            spent += outcome.cost
             if outcome.converged:
                 before = (at, u)
-                at, u = (target if step >= target - at else at + step), outcome.u_m
+                at, u = aim, outcome.u_m
                 fraction = min(1.0, 2.0 * fraction)
+                made = Step(parameter=at, u_m=u, iterations=outcome.iterations, residual=outcome.residual, cost=spent)
+                sweep.on_step(made)
                 continue
             fraction *= 0.5
             if fraction < options.min_step:
                 solver.close()
-                return Outcome(status=outcome.status, u_m=u, iterations=total, residual=outcome.residual)
-        on_target(target, u)
+                return replace(outcome, u_m=u, iterations=spent.newton_iterations, cost=spent)
+        on_target(target, reached.get(target, u))
     solver.close()
-    return Outcome(status=Status.CONVERGED, u_m=u, iterations=total, residual=outcome.residual)
+    return replace(outcome, u_m=u, iterations=spent.newton_iterations, cost=spent)

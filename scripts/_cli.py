@@ -6,10 +6,12 @@ import math
 import os
 import sys
 from collections.abc import Callable, Sequence
+from dataclasses import fields, replace
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, NoReturn, TypeVar
 
 BAD_INPUT = 2
+_Geometry = TypeVar("_Geometry", bound=Any)
 
 
 class Parser(argparse.ArgumentParser):
@@ -61,7 +63,7 @@ def non_negative_int(text: str) -> int:
     return value
 
 
-def check_writable(path: Path | None) -> None:
+def check_writable(path: Path | None, option: str = "--json") -> None:
     """Make sure before the work that its result can be written (creates the folder).
 
     Raises
@@ -74,17 +76,54 @@ def check_writable(path: Path | None) -> None:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise ValueError(f"--json {path}: folder cannot be made ({error.strerror})") from None
+        raise ValueError(f"{option} {path}: folder cannot be made ({error.strerror})") from None
     if path.is_dir() or not os.access(path.parent, os.W_OK):
-        raise ValueError(f"--json {path}: not a writable file")
+        raise ValueError(f"{option} {path}: not a writable file")
+
+
+def add_dimension(parser: argparse.ArgumentParser) -> None:
+    """Add ``--dimension NAME=VALUE``, which may be given more than once."""
+    parser.add_argument(
+        "--dimension", type=_named_number, action="append", default=[], metavar="NAME=VALUE", help="a dimension in SI"
+    )
+
+
+def with_dimensions(geometry: _Geometry, dimensions: Sequence[tuple[str, float]]) -> _Geometry:
+    """Return a geometry (a dataclass) with some of its numbers replaced.
+
+    Raises
+    ------
+    ValueError
+        If there is no such dimension, or the geometry refuses its value.
+    """
+    allowed = {f.name: f.type for f in fields(geometry) if f.type in (float, int)}
+    for name, value in dimensions:
+        if name not in allowed:
+            raise ValueError(f"--dimension {name}: no such dimension; allowed: {', '.join(sorted(allowed))}")
+        if allowed[name] is int and not value.is_integer():
+            raise ValueError(f"--dimension {name}: {value:g} must be a whole number")
+    return replace(geometry, **{name: int(v) if allowed[name] is int else v for name, v in dimensions})
+
+
+def _named_number(text: str) -> tuple[str, float]:
+    name, _, value = text.partition("=")
+    try:
+        return name.strip(), float(value)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text} must read NAME=VALUE") from None
+
+
+def write_bytes(path: Path, data: bytes) -> None:
+    """Write `data` in one piece."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
+    partial.write_bytes(data)
+    partial.replace(path)
 
 
 def write_text(path: Path, text: str) -> None:
     """Write `text` in one piece: a reader sees the whole file or none."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
-    partial.write_text(text, encoding="utf-8")
-    partial.replace(path)
+    write_bytes(path, text.encode("utf-8"))
 
 
 def write_json(path: Path, data: dict[str, Any]) -> None:

@@ -7,6 +7,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+if sys.path and Path(sys.path[0]).resolve() == Path(__file__).resolve().parent:
+    # started by its path: the script ``fea.py`` beside this one would hide the package ``fea``
+    sys.path[0] = str(Path(__file__).resolve().parents[1])
+
 from tqdm import tqdm
 
 from assets import asset_path
