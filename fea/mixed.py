@@ -68,8 +68,10 @@ class MixedModel:
         number = np.full(fixed.size + self.n_vertices, -1, dtype=np.int64)
         number[self.free] = np.arange(len(self.free))
         number[fixed.size :] = len(self.free) + np.arange(self.n_vertices)
+        self._kept = np.concatenate([self.free, fixed.size + np.arange(self.n_vertices)])
         displacement = (3 * mesh.elements[:, :, None] + np.arange(3)).reshape(-1, 30)
-        self._dofs = number[np.concatenate([displacement, fixed.size + mesh.elements[:, :4]], axis=1)]
+        self._places: I64 = np.concatenate([displacement, fixed.size + mesh.elements[:, :4]], axis=1)
+        self._dofs = number[self._places]
         if cavity is not None:
             self._face_dofs = number[(3 * cavity.faces[:, :, None] + np.arange(3)).reshape(-1, 18)]
         # pressure is solved for in units of the softest modulus so that both blocks are of one size
@@ -80,9 +82,12 @@ class MixedModel:
         """Number of unknowns."""
         return len(self.free) + self.n_vertices
 
-    def evaluate(self, u_m: F64, pressure_pa: F64, load: Load) -> tuple[F64, F64, sp.csr_array] | None:
-        """Return internal and external forces [size] and the matrix' upper triangle; None where det F <= 0."""
-        internal = np.zeros(self.size + 1)
+    def evaluate(self, u_m: F64, pressure_pa: F64, load: Load) -> tuple[F64, float, sp.csr_array] | None:
+        """Return out-of-balance forces [size], their scale and the matrix' upper triangle; None where det F <= 0.
+
+        The scale is the largest norm of the internal forces (reactions included) and of the load.
+        """
+        internal = np.zeros(u_m.size + self.n_vertices)
         rows, columns, values = [], [], []
         r, c = np.triu_indices(34)
         for index, law in self.laws.items():
@@ -93,7 +98,7 @@ class MixedModel:
                 result = self._element(law, u_m[nodes], pressure_pa[nodes[:, :4]], chunk)
                 if result is None:
                     return None
-                np.add.at(internal, dofs, result[0])
+                np.add.at(internal, self._places[chunk], result[0])
                 rows.append(dofs[:, r].ravel())
                 columns.append(dofs[:, c].ravel())
                 values.append(result[1][:, r, c].ravel())
@@ -111,7 +116,8 @@ class MixedModel:
         keep = (row >= 0) & (column >= 0)
         low, high = np.minimum(row, column)[keep], np.maximum(row, column)[keep]
         matrix = sp.csr_array(sp.coo_array((value[keep], (low, high)), shape=(self.size, self.size)))
-        return internal[:-1], external, matrix
+        scale = max(1e-12, float(np.linalg.norm(internal[: u_m.size])), float(np.linalg.norm(external)))
+        return external - internal[self._kept], scale, matrix
 
     def _element(self, law: Law, u_m: F64, pressure: F64, chunk: I64) -> tuple[F64, F64] | None:
         """Return element forces [n, 34] and matrices [n, 34, 34], displacements first."""
@@ -152,9 +158,7 @@ class MixedModel:
             state = self.evaluate(u, p, load)
             if state is None:
                 return MixedOutcome(status=Status.INVERTED, u_m=u, pressure_pa=p, iterations=iteration)
-            internal, external, matrix = state
-            imbalance = external - internal
-            scale = max(1e-12, float(np.linalg.norm(internal)), float(np.linalg.norm(external)))
+            imbalance, scale, matrix = state
             step = solver.solve(matrix, imbalance)
             if step is None:
                 return MixedOutcome(status=Status.SINGULAR, u_m=u, pressure_pa=p, iterations=iteration)
