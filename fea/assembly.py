@@ -87,9 +87,7 @@ class SolidModel:
         self.mesh = mesh
         self.laws = laws
         self.cavity = cavity
-        self.gradients, self.weights = element_gradients(
-            mesh, quadrature_order if mesh.elements.shape[1] == 10 else 1
-        )
+        self.gradients, self.weights = element_gradients(mesh, quadrature_order if mesh.elements.shape[1] == 10 else 1)
         self.free: I64 = np.flatnonzero(~fixed.ravel())
         number = np.full(fixed.size, -1, dtype=np.int64)
         number[self.free] = np.arange(len(self.free))

@@ -24,7 +24,7 @@ def rectangle(s: F64, t: F64) -> tuple[F64, I64]:
 
 def triangle(n: int) -> tuple[F64, I64]:
     """Return points [p, 2] and triangles [n^2, 3] of the figure s, t >= 0, s + t <= 1 with n cells an edge."""
-    number = {}
+    number: dict[tuple[int, int], int] = {}
     for i in range(n + 1):
         for j in range(n + 1 - i):
             number[i, j] = len(number)
@@ -54,10 +54,7 @@ def sweep(figure: tuple[F64, I64], heights: F64, position: Callable[[F64], F64] 
     i, j, k = np.sort(triangles, axis=1).T
     up = len(points)
     layer = np.concatenate(
-        [
-            np.stack(tet, axis=1)
-            for tet in ((i, j, k, k + up), (i, j, j + up, k + up), (i, i + up, j + up, k + up))
-        ]
+        [np.stack(tet, axis=1) for tet in ((i, j, k, k + up), (i, j, j + up, k + up), (i, i + up, j + up, k + up))]
     )
     tets = np.concatenate([layer + up * n for n in range(len(heights) - 1)])
     vertices = np.concatenate([np.column_stack([points, np.full(up, w)]) for w in heights])
@@ -102,6 +99,4 @@ def _quadratic(points_m: F64, reference: F64, straight: MeshTet1) -> SolidMesh:
     mesh = MeshTet2(points_m.T.copy(), np.asarray(straight.t))
     elements = np.asarray(mesh.dofs.element_dofs.T, dtype=np.int64)
     material = np.zeros(len(elements), dtype=np.int64)
-    return SolidMesh(
-        points_m=points_m, cylindrical=reference, elements=elements, material=material, skfem_mesh=mesh
-    )
+    return SolidMesh(points_m=points_m, cylindrical=reference, elements=elements, material=material, skfem_mesh=mesh)

@@ -1,9 +1,9 @@
 """Mixed displacement-pressure tetrahedra (P2/P1, Taylor & Hood): the referee for near-incompressible bodies.
 
-Saddle point of L(u, p) = integral [ W(F) + p (det F - 1) - p^2 / (2 kappa) ] - p_c V_cavity(u) - f . u with quadratic u and
-continuous linear p. Eliminating p pointwise gives back kappa/2 (J - 1)^2. The matrix is symmetric and indefinite; the
-block -1/kappa makes it quasi-definite, so LDL^T needs no pivoting. See Boffi, Brezzi, Fortin, Mixed Finite Element
-Methods and Applications, ch. 8.
+Saddle point of L(u, p) = integral [ W(F) + p (det F - 1) - p^2 / (2 kappa) ] - p_c V_cavity(u) - f . u with quadratic
+u and continuous linear p. Eliminating p pointwise gives back kappa/2 (J - 1)^2. The matrix is symmetric and
+indefinite; the block -1/kappa makes it quasi-definite, so LDL^T needs no pivoting. See Boffi, Brezzi, Fortin, Mixed
+Finite Element Methods and Applications, ch. 8.
 """
 
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ import numpy as np
 import scipy.sparse as sp
 from skfem.quadrature import get_quadrature
 
-from fea.arrays import F64, Bool, I64
+from fea.arrays import F64, I64, Bool
 from fea.assembly import Load, cofactor_derivative, deformation, element_gradients
 from fea.cavity import Cavity
 from fea.lattice import SolidMesh
@@ -25,12 +25,24 @@ _CHUNK = 1024
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class MixedOutcome:
-    """End of a solve: displacement [n_nodes, 3], pressure at the vertices [n_vertices] (negative in compression)."""
+    """End of a solve.
+
+    Attributes
+    ----------
+    status : Status
+    u_m : array [n_nodes, 3]
+    pressure_pa : array [n_vertices]
+        p of the potential, negative in compression.
+    iterations : int
+    reaction_n : array [n_nodes, 3]
+        Internal force minus load: the supports' reactions where displacements are prescribed.
+    """
 
     status: Status
     u_m: F64
     pressure_pa: F64
     iterations: int
+    reaction_n: F64
 
     @property
     def converged(self) -> bool:
@@ -82,10 +94,10 @@ class MixedModel:
         """Number of unknowns."""
         return len(self.free) + self.n_vertices
 
-    def evaluate(self, u_m: F64, pressure_pa: F64, load: Load) -> tuple[F64, float, sp.csr_array] | None:
-        """Return out-of-balance forces [size], their scale and the matrix' upper triangle; None where det F <= 0.
+    def evaluate(self, u_m: F64, pressure_pa: F64, load: Load) -> tuple[F64, float, sp.csr_array, F64] | None:
+        """Return out-of-balance forces [size], their scale, the matrix' upper triangle and reactions [n_nodes, 3].
 
-        The scale is the largest norm of the internal forces (reactions included) and of the load.
+        The scale is the larger norm of internal forces (reactions included) and load. None where det F <= 0.
         """
         internal = np.zeros(u_m.size + self.n_vertices)
         rows, columns, values = [], [], []
@@ -117,7 +129,8 @@ class MixedModel:
         low, high = np.minimum(row, column)[keep], np.maximum(row, column)[keep]
         matrix = sp.csr_array(sp.coo_array((value[keep], (low, high)), shape=(self.size, self.size)))
         scale = max(1e-12, float(np.linalg.norm(internal[: u_m.size])), float(np.linalg.norm(external)))
-        return external - internal[self._kept], scale, matrix
+        reaction = internal[: u_m.size].reshape(-1, 3) - force
+        return external - internal[self._kept], scale, matrix, reaction
 
     def _element(self, law: Law, u_m: F64, pressure: F64, chunk: I64) -> tuple[F64, F64] | None:
         """Return element forces [n, 34] and matrices [n, 34, 34], displacements first."""
@@ -133,10 +146,10 @@ class MixedModel:
         P = P + p[..., None, None] * cofactor
         A = A + p[..., None, None, None, None] * cofactor_derivative(F)
         # B_(a i)(iJ): rows of the displacement's gradient
-        B = np.zeros((n, points, 10, 3, 3, 3))
+        rows = np.zeros((n, points, 10, 3, 3, 3))
         for i in range(3):
-            B[:, :, :, i, i, :] = G
-        B = B.reshape(n, points, 30, 9)
+            rows[:, :, :, i, i, :] = G
+        B = rows.reshape(n, points, 30, 9)
         weighted = w[..., None, None] * B
         K = np.zeros((n, 34, 34))
         K[:, :30, :30] = (weighted @ A.reshape(n, points, 9, 9) @ np.swapaxes(B, -1, -2)).sum(axis=1)
@@ -152,23 +165,32 @@ class MixedModel:
     def solve(
         self, u_m: F64, pressure_pa: F64, load: Load, options: NewtonOptions, solver: SymmetricSolver
     ) -> MixedOutcome:
-        """Iterate from a state that satisfies the supports to equilibrium under ``load`` (full Newton steps, capped)."""
+        """Iterate from a state that satisfies the supports to equilibrium under ``load`` (capped Newton steps)."""
         u, p = u_m.copy(), pressure_pa.copy()
+        reaction = np.zeros_like(u)
         for iteration in range(options.max_iterations + 1):
             state = self.evaluate(u, p, load)
             if state is None:
-                return MixedOutcome(status=Status.INVERTED, u_m=u, pressure_pa=p, iterations=iteration)
-            imbalance, scale, matrix = state
+                return MixedOutcome(
+                    status=Status.INVERTED, u_m=u, pressure_pa=p, iterations=iteration, reaction_n=reaction
+                )
+            imbalance, scale, matrix, reaction = state
             step = solver.solve(matrix, imbalance)
             if step is None:
-                return MixedOutcome(status=Status.SINGULAR, u_m=u, pressure_pa=p, iterations=iteration)
+                return MixedOutcome(
+                    status=Status.SINGULAR, u_m=u, pressure_pa=p, iterations=iteration, reaction_n=reaction
+                )
             largest = float(np.abs(step[: len(self.free)]).max(initial=1e-30))
             if float(np.linalg.norm(imbalance)) <= options.relative_tolerance * scale:
-                return MixedOutcome(status=Status.CONVERGED, u_m=u, pressure_pa=p, iterations=iteration)
+                return MixedOutcome(
+                    status=Status.CONVERGED, u_m=u, pressure_pa=p, iterations=iteration, reaction_n=reaction
+                )
             step *= min(1.0, options.step_cap_m / largest)
             u.reshape(-1)[self.free] += step[: len(self.free)]
             p += self._unit * step[len(self.free) :]
-        return MixedOutcome(status=Status.STALLED, u_m=u, pressure_pa=p, iterations=options.max_iterations)
+        return MixedOutcome(
+            status=Status.STALLED, u_m=u, pressure_pa=p, iterations=options.max_iterations, reaction_n=reaction
+        )
 
     def increase(
         self, load_at_steps: list[Load], start_u_m: F64 | None = None, options: NewtonOptions | None = None
@@ -184,4 +206,6 @@ class MixedModel:
             if not outcome.converged:
                 break
         solver.close()
-        return MixedOutcome(status=outcome.status, u_m=u, pressure_pa=p, iterations=total)
+        return MixedOutcome(
+            status=outcome.status, u_m=u, pressure_pa=p, iterations=total, reaction_n=outcome.reaction_n
+        )

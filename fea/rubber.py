@@ -5,9 +5,7 @@ from fea.laws import IsochoricOgden
 
 def neo_hookean(shear_modulus_pa: float, bulk_modulus_pa: float = 0.0) -> IsochoricOgden:
     """W = mu/2 (I1bar - 3): one Ogden term with exponent 2 (Treloar, 1943)."""
-    return IsochoricOgden(
-        coefficients_pa=(0.5 * shear_modulus_pa,), exponents=(2.0,), bulk_modulus_pa=bulk_modulus_pa
-    )
+    return IsochoricOgden(coefficients_pa=(0.5 * shear_modulus_pa,), exponents=(2.0,), bulk_modulus_pa=bulk_modulus_pa)
 
 
 def mooney_rivlin(c10_pa: float, c01_pa: float, bulk_modulus_pa: float = 0.0) -> IsochoricOgden:
@@ -41,7 +39,5 @@ def ogden(
     elif convention == "two_mu_over_alpha_squared":
         coefficients = tuple(2.0 * m / a**2 for m, a in pairs)
     else:
-        raise ValueError(
-            f"convention = {convention!r}; allowed: ['mu_over_alpha', 'two_mu_over_alpha_squared']"
-        )
+        raise ValueError(f"convention = {convention!r}; allowed: ['mu_over_alpha', 'two_mu_over_alpha_squared']")
     return IsochoricOgden(coefficients_pa=coefficients, exponents=alpha, bulk_modulus_pa=bulk_modulus_pa)

@@ -47,13 +47,12 @@ def balloon_rows() -> list[Row]:
     if path.limit is None:
         raise RuntimeError(f"balloon: no limit point found, {path.status.value}")
     found = minimize_scalar(lambda v: -float(closed_form_pressure(np.array(v))), bounds=(1.1, 8.0), method="bounded")
-    common = {"problem": "balloon past its limit point, neo-Hookean", "formulation": "P2/P0", "dofs": dofs}
+    pairs = (
+        ("greatest pressure [Pa]", path.limit.pressure_pa_gauge, -float(found.fun)),
+        ("pressure [Pa] at 8 V0", float(path.pressure_pa_gauge[-1]), float(closed[-1])),
+    )
+    name = "balloon past its limit point, neo-Hookean"
     return [
-        Row(**common, quantity="greatest pressure [Pa]", figure=path.limit.pressure_pa_gauge, exact=-float(found.fun)),
-        Row(
-            **common,
-            quantity="pressure [Pa] at 8 V0",
-            figure=float(path.pressure_pa_gauge[-1]),
-            exact=float(closed[-1]),
-        ),
+        Row(problem=name, formulation="P2/P0", dofs=dofs, quantity=quantity, figure=figure, exact=exact)
+        for quantity, figure, exact in pairs
     ]

@@ -1,9 +1,9 @@
 """Observed order of convergence: the L2 error of the displacement falls as h^3 for quadratic tetrahedra.
 
-Manufactured solution: u = e (sin(pi x) sin(pi y) sin(pi z)) d in the unit cube, zero on its surface. The body force that
-makes it exact is b_i = -dP_iJ/dX_J = -A_iJkL(F) d2u_k / dX_L dX_J, with the law's own tangent A. For near-incompressible
-P2/P1 and P2/P0 the incompressible thick cylinder takes its place. P2/P0 is of second order there: its pressure is of
-order one, which is what the mixed referee is for (Boffi, Brezzi, Fortin, ch. 8).
+Manufactured solution: u = e (sin(pi x) sin(pi y) sin(pi z)) d in the unit cube, zero on its surface. The body force
+that makes it exact is b_i = -dP_iJ/dX_J = -A_iJkL(F) d2u_k / dX_L dX_J, with the law's own tangent A. For
+near-incompressible P2/P1 and P2/P0 the incompressible thick cylinder takes its place. P2/P0 is of
+second order there: its pressure is of order one, which is what the mixed referee is for (Boffi, Brezzi, Fortin, ch. 8).
 """
 
 import numpy as np
@@ -44,7 +44,7 @@ def manufactured_error(cells: int) -> float:
     for a, field in enumerate(basis.basis):
         shape = np.broadcast_to(np.asarray(field[0]), basis.dx.shape)
         np.add.at(force, mesh.elements[:, a], np.einsum("eq,eq,eqi->ei", basis.dx, shape, body))
-    surface = ((mesh.points_m < 1e-9) | (mesh.points_m > 1.0 - 1e-9)).any(axis=1)
+    surface = np.any((mesh.points_m < 1e-9) | (mesh.points_m > 1.0 - 1e-9), axis=1)
     problem = Problem(mesh=mesh, law=law, fixed=np.repeat(surface[:, None], 3, axis=1))
     u, _, _ = problem.equilibrium("P2/P0", [Load(force_n=force)], tolerance=1e-9)
     return _l2_error(mesh, u, _AMPLITUDE * sine.prod(axis=-1)[..., None] * _DIRECTION)

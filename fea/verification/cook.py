@@ -1,7 +1,7 @@
 """Cook's membrane, nearly incompressible neo-Hookean, plane strain.
 
-Panel (0, 0), (48, 44), (48, 60), (0, 44), held at x = 0, shear traction 6.25 on x = 48; mu 80.1938, lambda 400889.8. The
-corner (48, 60) rises by 6.92 with converged mixed elements (Simo & Armero, 1992; Reese & Wriggers, 2000: 6.9 to 6.93).
+Panel (0, 0), (48, 44), (48, 60), (0, 44), held at x = 0, shear traction 6.25 on x = 48; mu 80.1938, lambda 400889.8.
+The corner (48, 60) rises by 6.92 with converged mixed elements (Simo & Armero, 1992; Reese & Wriggers, 2000).
 Numbers are without units in the source; here metres and pascals.
 """
 

@@ -1,7 +1,8 @@
 """Thick cylinder (plane strain) and thick sphere under inner pressure.
 
-An incompressible wall from A to B moves so that b^n - a^n = B^n - A^n with n = 2 (cylinder) or 3 (sphere). With the hoop
-stretch l = r/R and w(l) = W(l, 1/l, 1) or W(l, l, l^-2), equilibrium gives (Ogden, Non-linear Elastic Deformations, 5.3)
+An incompressible wall from A to B moves so that b^n - a^n = B^n - A^n with n = 2 (cylinder) or 3 (sphere). With the
+hoop stretch l = r/R and w(l) = W(l, 1/l, 1) or W(l, l, l^-2), equilibrium gives (Ogden, Non-linear Elastic
+Deformations, 5.3)
     p = integral from l_b to l_a of w'(l) / (l^n - 1) dl.
 For W = sum c (l1^a + l2^a + l3^a - 3): w' = sum c a (l^(a-1) - l^(-a-1)), or sum 2 c a (l^(a-1) - l^(-2a-1)).
 """
@@ -68,7 +69,7 @@ def cylinder(formulation: str, law_name: str, *, cells: int = 6, pressure_pa: fl
     faces = free_faces(mesh, lambda c: np.isclose(c[..., 0], INNER_M))
     problem = Problem(mesh=mesh, law=LAWS[law_name], fixed=fixed, cavity_faces=faces)
     u, dofs, used = problem.equilibrium(formulation, pressures(pressure_pa, 4))
-    return _row(f"thick cylinder, {law_name}", formulation, dofs, pressure_pa, law_name, used, u, 0, 2)
+    return _row(("thick cylinder", law_name, formulation), dofs, pressure_pa, used, u, 2)
 
 
 def sphere(formulation: str, law_name: str, *, cells: int = 4, layers: int = 4, pressure_pa: float = 0.6e5) -> Row:
@@ -77,17 +78,16 @@ def sphere(formulation: str, law_name: str, *, cells: int = 4, layers: int = 4, 
     faces = free_faces(mesh, lambda c: np.isclose(c[..., 2], INNER_M))
     problem = Problem(mesh=mesh, law=LAWS[law_name], fixed=symmetry_planes(mesh), cavity_faces=faces)
     u, dofs, used = problem.equilibrium(formulation, pressures(pressure_pa, 4))
-    return _row(f"thick sphere, {law_name}", formulation, dofs, pressure_pa, law_name, used, u, 2, 3)
+    return _row(("thick sphere", law_name, formulation), dofs, pressure_pa, used, u, 3)
 
 
-def _row(
-    name: str, formulation: str, dofs: int, pressure: float, law_name: str, mesh: SolidMesh, u: F64, axis: int, n: int
-) -> Row:
-    inner = np.isclose(mesh.cylindrical[:, axis], INNER_M)
+def _row(names: tuple[str, str, str], dofs: int, pressure: float, mesh: SolidMesh, u: F64, n: int) -> Row:
+    body, law_name, formulation = names
+    inner = np.isclose(mesh.cylindrical[:, 0 if n == 2 else 2], INNER_M)
     stretch = float(np.linalg.norm((mesh.points_m + u)[inner, :n], axis=1).mean()) / INNER_M
     exact = closed_form_pressure(LAWS[law_name], stretch, OUTER_M / INNER_M, n)
     return Row(
-        problem=name,
+        problem=f"{body}, {law_name}",
         formulation=formulation,
         dofs=dofs,
         quantity=f"pressure [Pa] at inner stretch {stretch:.3f}",

@@ -22,7 +22,9 @@ def lame_cylinder(formulation: str, *, poisson_ratio: float = 0.4995, cells: int
     fixed[:, 2] = True
     faces = free_faces(mesh, lambda c: np.isclose(c[..., 0], INNER_M))
     law = neo_hookean(SHEAR_MODULUS_PA, SHEAR_MODULUS_PA * 2.0 * (1.0 + nu) / (3.0 * (1.0 - 2.0 * nu)))
-    u, dofs, used = Problem(mesh=mesh, law=law, fixed=fixed, cavity_faces=faces).equilibrium(formulation, pressures(p, 1))
+    u, dofs, used = Problem(mesh=mesh, law=law, fixed=fixed, cavity_faces=faces).equilibrium(
+        formulation, pressures(p, 1)
+    )
     inner = np.isclose(used.cylindrical[:, 0], INNER_M)
     radial = np.linalg.norm(used.points_m[inner, :2] + u[inner, :2], axis=1) - np.linalg.norm(
         used.points_m[inner, :2], axis=1

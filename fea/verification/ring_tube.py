@@ -1,7 +1,8 @@
 """Closed tube whose wall holds a sheet of inextensible rings at radius r_w: pressure lengthens it.
 
-The rings keep r(r_w) = r_w; the incompressible wall then has the hoop stretch t(R) with R^2 t^2 = r_w^2 - (r_w^2 - R^2) / l at
-axial stretch l. Virtual work of the closed ends gives, as the pressure acts on the ring radius,
+The rings keep r(r_w) = r_w; the incompressible wall then has the hoop stretch t(R) with
+R^2 t^2 = r_w^2 - (r_w^2 - R^2) / l at axial stretch l. Virtual work of the closed ends gives, as the pressure acts on
+the ring radius,
     p pi r_w^2 = d/dl integral from r_i to r_o of 2 pi R W(l, t, 1 / (l t)) dR.
 """
 
