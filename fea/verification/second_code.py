@@ -30,7 +30,7 @@ def _twist(X: F64) -> F64:
 
 
 def twisted_block(*, cells: int = 6, felupe_cells: int = 4) -> Row:
-    """Move the whole surface of a unit cube by a smooth field: virtual work of the surface forces in the field itself."""
+    """Move the whole surface of a unit cube by a smooth field: virtual work of its forces in the field itself."""
     fem: Any = importlib.import_module("felupe")
     mesh = fem.Cube(n=felupe_cells + 1).add_midpoints_edges().add_midpoints_faces().add_midpoints_volumes()
     field = fem.FieldContainer([fem.Field(fem.RegionTriQuadraticHexahedron(mesh), dim=3)])
