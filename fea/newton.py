@@ -110,39 +110,32 @@ def solve_equilibrium(
 ) -> Outcome:
     """Iterate from ``u_m`` (which satisfies the supports) to equilibrium under ``load``."""
     watch = Stopwatch()
-    outcome = _iterate(model, u_m, load, options, solver, on_iteration, watch)
-    return replace(outcome, cost=watch.cost(outcome.iterations))
-
-
-def _iterate(
-    model: SolidModel,
-    u_m: F64,
-    load: Load,
-    options: NewtonOptions,
-    solver: SymmetricSolver,
-    on_iteration: Callable[[int, float], None],
-    watch: Stopwatch,
-) -> Outcome:
     u = u_m.copy()
     with watch.time("assembly"):
         state = model.evaluate(u, load)
     relative = np.inf
     for iteration in range(options.max_iterations + 1):
         if state is None or state.tangent is None:
-            return Outcome(status=Status.INVERTED, u_m=u, iterations=iteration, residual=relative)
+            return Outcome(
+                status=Status.INVERTED, u_m=u, iterations=iteration, residual=relative, cost=watch.cost(iteration)
+            )
         imbalance = state.external_n - state.internal_n
         forces = (state.external_n, state.internal_n, state.reaction_n)
         scale = max(1e-12, *(float(np.linalg.norm(force)) for force in forces))
         relative = float(np.linalg.norm(imbalance)) / scale
         on_iteration(iteration, relative)
         if relative <= options.relative_tolerance:
-            return Outcome(status=Status.CONVERGED, u_m=u, iterations=iteration, residual=relative)
+            return Outcome(
+                status=Status.CONVERGED, u_m=u, iterations=iteration, residual=relative, cost=watch.cost(iteration)
+            )
         if iteration == options.max_iterations:
             break
         with watch.time("solve"):
             step = solver.solve(state.tangent, imbalance)
         if step is None:
-            return Outcome(status=Status.SINGULAR, u_m=u, iterations=iteration, residual=relative)
+            return Outcome(
+                status=Status.SINGULAR, u_m=u, iterations=iteration, residual=relative, cost=watch.cost(iteration)
+            )
         step *= min(1.0, options.step_cap_m / max(float(np.abs(step).max()), 1e-30))
         for _ in range(6):  # halve the step while it would invert an element
             trial = u.copy()
@@ -153,7 +146,8 @@ def _iterate(
                 u = trial
                 break
             step *= 0.5
-    return Outcome(status=Status.STALLED, u_m=u, iterations=options.max_iterations, residual=relative)
+    cost = watch.cost(options.max_iterations)
+    return Outcome(status=Status.STALLED, u_m=u, iterations=options.max_iterations, residual=relative, cost=cost)
 
 
 def follow(
