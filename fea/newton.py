@@ -7,12 +7,45 @@ energy then cripples the method.
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
+from typing import Protocol
 
 import numpy as np
+import scipy.sparse as sp
 
 from fea.arrays import F64
 from fea.assembly import Load, SolidModel
 from fea.linear_solver import SymmetricSolver
+
+_BOUND_SHARE = 0.8
+"""Choice: share of the collision-free way that a step uses, so that gaps stay open for the next one."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ContactState:
+    """Contact forces at a displacement.
+
+    Attributes
+    ----------
+    force_n : array [n_nodes, 3]
+        Forces of the contact on the nodes (minus the gradient of its energy).
+    hessian : csr_array [3 n_nodes, 3 n_nodes]
+        Positive semi-definite Hessian of its energy [N/m], upper triangle.
+    """
+
+    force_n: F64
+    hessian: sp.csr_array
+
+
+class Contact(Protocol):
+    """What Newton's method needs of a contact."""
+
+    def evaluate(self, u_m: F64) -> ContactState:
+        """Return forces and Hessian at displacements [n_nodes, 3]."""
+        ...
+
+    def step_bound(self, u_m: F64, trial_m: F64) -> float:
+        """Return the fraction in [0, 1] of the straight way from u to the trial on which nothing touches."""
+        ...
 
 
 class Status(Enum):
@@ -67,16 +100,25 @@ class Outcome:
 
 
 def solve_equilibrium(
-    model: SolidModel, u_m: F64, load: Load, options: NewtonOptions, solver: SymmetricSolver
+    model: SolidModel,
+    u_m: F64,
+    load: Load,
+    options: NewtonOptions,
+    solver: SymmetricSolver,
+    contact: Contact | None = None,
 ) -> Outcome:
-    """Iterate from ``u_m`` (which satisfies the supports) to equilibrium under ``load``."""
+    """Iterate from ``u_m`` (which satisfies the supports and touches nothing) to equilibrium under ``load``."""
     u = u_m.copy()
     state = model.evaluate(u, load)
     relative = np.inf
     for iteration in range(options.max_iterations + 1):
         if state is None or state.tangent is None:
             return Outcome(status=Status.INVERTED, u_m=u, iterations=iteration, residual=relative)
-        imbalance = state.external_n - state.internal_n
+        imbalance, tangent = state.external_n - state.internal_n, state.tangent
+        if contact is not None:
+            touch = contact.evaluate(u)
+            imbalance = imbalance + touch.force_n.ravel()[model.free]
+            tangent = sp.csr_array(tangent + touch.hessian[model.free][:, model.free])
         forces = (state.external_n, state.internal_n, state.reaction_n)
         scale = max(1e-12, *(float(np.linalg.norm(force)) for force in forces))
         relative = float(np.linalg.norm(imbalance)) / scale
@@ -84,10 +126,15 @@ def solve_equilibrium(
             return Outcome(status=Status.CONVERGED, u_m=u, iterations=iteration, residual=relative)
         if iteration == options.max_iterations:
             break
-        step = solver.solve(state.tangent, imbalance)
+        step = solver.solve(tangent, imbalance)
         if step is None:
             return Outcome(status=Status.SINGULAR, u_m=u, iterations=iteration, residual=relative)
         step *= min(1.0, options.step_cap_m / max(float(np.abs(step).max()), 1e-30))
+        if contact is not None:
+            trial = u.copy()
+            trial.reshape(-1)[model.free] += step
+            bound = contact.step_bound(u, trial)
+            step *= 1.0 if bound >= 1.0 else _BOUND_SHARE * bound
         for _ in range(6):  # halve the step while it would invert an element
             trial = u.copy()
             trial.reshape(-1)[model.free] += step
@@ -107,6 +154,7 @@ def follow(
     *,
     on_target: Callable[[float, F64], None],
     extrapolate: bool = False,
+    contact: Contact | None = None,
 ) -> Outcome:
     """Go through increasing load parameters, halving a step that fails and growing it again when one works.
 
@@ -120,7 +168,9 @@ def follow(
     options : NewtonOptions
     on_target : callable
     extrapolate : bool
-        Start each step from the linear extrapolation of the last two states.
+        Start each step from the linear extrapolation of the last two states (not with contact: that way may cross it).
+    contact : Contact, optional
+        Contact between surfaces of the model.
 
     Returns
     -------
@@ -138,9 +188,9 @@ def follow(
         while at < target:
             step = min(fraction * span, target - at)
             guess = u
-            if extrapolate and before is not None:
+            if extrapolate and contact is None and before is not None:
                 guess = u + (u - before[1]) * step / (at - before[0])
-            outcome = solve_equilibrium(model, guess, load_at(at + step), options, solver)
+            outcome = solve_equilibrium(model, guess, load_at(at + step), options, solver, contact)
             total += outcome.iterations
             if outcome.converged:
                 before = (at, u)
