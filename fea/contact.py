@@ -92,13 +92,13 @@ class SurfaceContact:
         x = self._positions(u_m)
         return 1e-3 * float(self._potential(self._collisions(x), self._mesh, x))
 
-    def evaluate(self, u_m: F64) -> ContactState:
-        """Return forces and the Hessian, projected to positive semi-definite pair by pair."""
+    def evaluate(self, u_m: F64, *, project: bool = True) -> ContactState:
+        """Return forces and the Hessian, projected to positive semi-definite pair by pair unless told otherwise."""
         x = self._positions(u_m)
         collisions = self._collisions(x)
         force = self._nodal(-self._potential.gradient(collisions, self._mesh, x))
-        clamp = self._ipc.PSDProjectionMethod.CLAMP
-        local = sp.coo_array(self._potential.hessian(collisions, self._mesh, x, clamp))
+        method = self._ipc.PSDProjectionMethod.CLAMP if project else self._ipc.PSDProjectionMethod.NONE
+        local = sp.coo_array(self._potential.hessian(collisions, self._mesh, x, method))
         dofs = (3 * self.nodes[:, None] + np.arange(3)).ravel()
         row, column = dofs[local.coords[0]], dofs[local.coords[1]]
         upper = row <= column

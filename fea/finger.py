@@ -19,6 +19,28 @@ TPU = 2
 PRESSURES_PA_GAUGE = tuple(1e3 * p for p in (2, 5, 10, 15, 20, 25, 30, 37.5, 45, 52.5, 60, 65, 70, 75, 80))
 
 
+@dataclass(frozen=True, kw_only=True)
+class FingerMesh:
+    """Cells of both parts; ``actuator.theta_cells`` is not used: the angles are the exoskeleton's."""
+
+    actuator: ActuatorMesh
+    exoskeleton: ExoskeletonMesh
+
+
+_ACTUATOR = ActuatorMesh(theta_cells=3, inner_cells=1, gap_cells=1, cap_cells=1, core_cells=1)
+MESHES = {
+    "coarse": FingerMesh(
+        actuator=_ACTUATOR,
+        exoskeleton=ExoskeletonMesh(sector_cells=2, rest_cells=2, wall_cells=1, gap_cells=3, segment_cells=2),
+    ),
+    "calibration": FingerMesh(
+        actuator=_ACTUATOR,
+        exoskeleton=ExoskeletonMesh(sector_cells=2, rest_cells=3, wall_cells=1, gap_cells=4, segment_cells=3),
+    ),
+}
+"""Choice: one cell a ring gap and one a wall, about 35,000 and 45,000 degrees of freedom."""
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class FingerModel:
     """The solid half model and the contact between its two parts."""
@@ -45,6 +67,8 @@ class FingerResult:
         Smallest distance of the surfaces; never zero, and ``inf`` where it exceeds the clearance.
     contact_force_n : array [n]
         Sum over the actuator's nodes of the magnitude of the contact's forces.
+    u_m : array [n_nodes, 3]
+        Displacement of the last row.
     status, iterations, dofs, elements
         How the solve ended and its size.
     """
@@ -56,21 +80,20 @@ class FingerResult:
     volume_m3: F64
     minimum_gap_m: F64
     contact_force_n: F64
+    u_m: F64
     status: Status
     iterations: int
     dofs: int
     elements: int
 
 
-def finger_lattices(
-    geometry: FingerGeometry, actuator: ActuatorMesh, exoskeleton: ExoskeletonMesh
-) -> tuple[Lattice, Lattice]:
-    """Lattices of actuator and exoskeleton: equal angles, and equal radii where the end plate is bonded to the cap.
+def finger_lattices(geometry: FingerGeometry, mesh: FingerMesh) -> tuple[Lattice, Lattice]:
+    """Lattices of actuator and exoskeleton: equal radii where the end plate is bonded to the cap.
 
-    ``actuator.theta_cells`` is not used: the angles are the exoskeleton's, so that facets in contact match.
+    Equal angles also make the facets in contact match, so that faceting does not eat the clearance.
     """
-    shell = exoskeleton_lattice(geometry, exoskeleton)
-    inner = actuator_lattice(geometry, replace(actuator, theta_cells=len(shell.theta_rad) - 1))
+    shell = exoskeleton_lattice(geometry, mesh.exoskeleton)
+    inner = actuator_lattice(geometry, replace(mesh.actuator, theta_cells=len(shell.theta_rad) - 1))
     inner = replace(inner, theta_rad=shell.theta_rad)
     r = np.concatenate([inner.r_m, shell.r_m[shell.r_m >= geometry.tube_inner_radius_m]])
     source = np.searchsorted(shell.r_m, 0.5 * (r[1:] + r[:-1])) - 1
@@ -83,21 +106,20 @@ def finger_model(
     silicone: Material,
     pet: Material,
     tpu: Material,
+    mesh: FingerMesh,
     *,
-    actuator: ActuatorMesh,
-    exoskeleton: ExoskeletonMesh,
     contact: ContactOptions | None = None,
 ) -> FingerModel:
     """Build the half model: both parts fixed on z = 0, end plate bonded to the cap, contact everywhere else."""
-    mesh = build_mesh(*finger_lattices(geometry, actuator, exoskeleton))
-    fixed = np.zeros((len(mesh.points_m), 3), dtype=bool)
-    fixed[symmetry_nodes(mesh), 1] = True
-    fixed[mesh.cylindrical[:, 2] == 0.0] = True
+    body = build_mesh(*finger_lattices(geometry, mesh))
+    fixed = np.zeros((len(body.points_m), 3), dtype=bool)
+    fixed[symmetry_nodes(body), 1] = True
+    fixed[body.cylindrical[:, 2] == 0.0] = True
     laws = {SILICONE: silicone.law, RING: pet.law, TPU: tpu.law}
-    solid = SolidModel(mesh=mesh, laws=dict(laws), fixed=fixed, cavity=chamber_cavity(mesh, geometry))
-    outer = free_faces(mesh, lambda c: np.isclose(c[..., 0], geometry.actuator_outer_radius_m, rtol=0.0, atol=1e-9))
+    solid = SolidModel(mesh=body, laws=dict(laws), fixed=fixed, cavity=chamber_cavity(body, geometry))
+    outer = free_faces(body, lambda c: np.isclose(c[..., 0], geometry.actuator_outer_radius_m, rtol=0.0, atol=1e-9))
     return FingerModel(
-        solid=solid, contact=SurfaceContact(mesh, outer, _tube_faces(solid, geometry), contact or ContactOptions())
+        solid=solid, contact=SurfaceContact(body, outer, _tube_faces(solid, geometry), contact or ContactOptions())
     )
 
 
@@ -112,18 +134,20 @@ def analyse_finger(
     """Inflate through increasing gauge pressures; ends early, with the status, where equilibrium is lost."""
     if not pressures_pa_gauge or np.any(np.diff([0.0, *pressures_pa_gauge]) <= 0.0):
         raise ValueError(f"pressures_pa_gauge = {pressures_pa_gauge} must be positive and increasing")
-    rows = [_measure(model, geometry, 0.0, np.zeros_like(model.solid.mesh.points_m))]
+    states = [np.zeros_like(model.solid.mesh.points_m)]
+    rows = [_measure(model, geometry, 0.0, states[0])]
 
     def record(pressure: float, u_m: F64) -> None:
+        states[:] = [u_m]
         rows.append(_measure(model, geometry, pressure, u_m))
         progress()
 
-    # choice: 40 iterations, since contact closes and opens late in a step; 4 mm is the cap of the rotating phalanges
+    # choice: 25 iterations, since contact closes and opens late in a step
     outcome = follow(
         model.solid,
         lambda p: Load(pressure_pa_gauge=p),
         pressures_pa_gauge,
-        options or NewtonOptions(relative_tolerance=1e-5, max_iterations=40),
+        options or NewtonOptions(relative_tolerance=1e-5, max_iterations=25),
         on_target=record,
         contact=model.contact,
     )
@@ -136,6 +160,7 @@ def analyse_finger(
         volume_m3=table[:, 5],
         minimum_gap_m=table[:, 6],
         contact_force_n=table[:, 7],
+        u_m=states[0],
         status=outcome.status,
         iterations=outcome.iterations,
         dofs=len(model.solid.free),

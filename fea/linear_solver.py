@@ -54,14 +54,17 @@ class SymmetricSolver:
         from pypardiso.pardiso_wrapper import PyPardisoError  # noqa: PLC0415
 
         pattern = (upper.indptr, upper.indices)
-        if self._pattern is not None and not all(map(np.array_equal, self._pattern, pattern)):
-            self.close()
+        known = self._pattern is not None and all(map(np.array_equal, self._pattern, pattern))
+        self._pattern = pattern
         try:
             if self._pardiso is None:
-                self._pattern = pattern
                 self._pardiso = PyPardisoSolver(mtype=-2, size_limit_storage=0)
                 for index, value in _IPARM.items():
                     self._pardiso.set_iparm(index, value)
+                known = False
+            elif not known:
+                self._pardiso.free_memory(everything=True)
+            if not known:
                 self._run(_ANALYSE, upper, right_side)
             return self._run(_FACTOR_AND_SOLVE, upper, right_side)
         except PyPardisoError:
