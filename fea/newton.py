@@ -16,6 +16,8 @@ from fea.arrays import F64
 from fea.assembly import Load, SolidModel
 from fea.linear_solver import SymmetricSolver
 
+_GROWTH = 1.15
+"""Choice: growth of a load step that worked after one that failed; doubling failed again every second time."""
 _BOUND_SHARE = 0.8
 """Choice: share of the collision-free way that a step uses, so that gaps stay open for the next one."""
 
@@ -155,6 +157,7 @@ def follow(
     on_target: Callable[[float, F64], None],
     extrapolate: bool = False,
     contact: Contact | None = None,
+    largest_step: float = np.inf,
 ) -> Outcome:
     """Go through increasing load parameters, halving a step that fails and growing it again when one works.
 
@@ -168,9 +171,11 @@ def follow(
     options : NewtonOptions
     on_target : callable
     extrapolate : bool
-        Start each step from the linear extrapolation of the last two states (not with contact: that way may cross it).
+        Start each step from the linear extrapolation of the last two states, as far as contact allows.
     contact : Contact, optional
         Contact between surfaces of the model.
+    largest_step : float
+        Steps between targets start with this size and never exceed it.
 
     Returns
     -------
@@ -182,23 +187,25 @@ def follow(
     at, total = 0.0, 0
     solver = SymmetricSolver()
     outcome = Outcome(status=Status.CONVERGED, u_m=u, iterations=0, residual=0.0)
+    size = largest_step
     for target in targets:
         span = target - at
-        fraction = 1.0
         while at < target:
-            step = min(fraction * span, target - at)
+            step = min(size, target - at)
             guess = u
-            if extrapolate and contact is None and before is not None:
+            if extrapolate and before is not None:
                 guess = u + (u - before[1]) * step / (at - before[0])
+                if contact is not None:
+                    guess = u + _BOUND_SHARE * contact.step_bound(u, guess) * (guess - u)
             outcome = solve_equilibrium(model, guess, load_at(at + step), options, solver, contact)
             total += outcome.iterations
             if outcome.converged:
                 before = (at, u)
                 at, u = (target if step >= target - at else at + step), outcome.u_m
-                fraction = min(1.0, 2.0 * fraction)
+                size = min(largest_step, size * _GROWTH) if step >= size else size
                 continue
-            fraction *= 0.5
-            if fraction < options.min_step:
+            size = 0.5 * step
+            if size < options.min_step * span:
                 solver.close()
                 return Outcome(status=outcome.status, u_m=u, iterations=total, residual=outcome.residual)
         on_target(target, u)
