@@ -1,7 +1,9 @@
-"""Finite-strain assembly: residual and tangent of 10-node tetrahedra with batched matrix products.
+"""Finite-strain assembly: residual and tangent of 10- or 4-node tetrahedra with batched matrix products.
 
 Potential: Pi(u) = sum over elements of [ integral W(F) + V kappa/2 (mean(det F) - 1)^2 ] - p V_cavity(u) - f . u.
-The volumetric energy acts on each element's mean dilatation (P2 displacement, P0 pressure), which does not lock. Every
+The volumetric energy acts on each element's mean dilatation (P2 displacement, P0 pressure), which does not lock. In a
+4-node element det F is uniform, so the mean changes nothing: P1 has the plain penalty and locks as kappa/mu grows, a
+cheap rung for compressible parts and first looks. The referee with pressures of its own is :mod:`fea.mixed`. Every
 term derives from a potential, so the tangent is symmetric and only its upper triangle is kept.
 """
 
@@ -9,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
-from skfem import Basis, ElementTetP2
+from skfem import Basis, ElementTetP1, ElementTetP2
 
 from fea.arrays import F64, I64
 from fea.cavity import Cavity
@@ -17,7 +19,6 @@ from fea.lattice import SolidMesh
 from fea.laws import Law
 
 _CHUNK = 1024  # elements per batch: keeps the batches in the processor's cache
-_ROW, _COLUMN = np.triu_indices(30)  # upper triangle of an element matrix in (node, component) numbering
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,7 +69,7 @@ class SolidModel:
     cavity : Cavity, optional
         Pressurised surface.
     quadrature_order : int
-        Order of the rule in the elements (2: four points, the usual one of the 10-node tetrahedron).
+        Order of the rule in 10-node elements (2: four points, the usual one). Linear ones need one point.
     """
 
     def __init__(
@@ -86,7 +87,7 @@ class SolidModel:
         self.mesh = mesh
         self.laws = laws
         self.cavity = cavity
-        self.gradients, self.weights = element_gradients(mesh, quadrature_order)
+        self.gradients, self.weights = element_gradients(mesh, quadrature_order if mesh.elements.shape[1] == 10 else 1)
         self.free: I64 = np.flatnonzero(~fixed.ravel())
         number = np.full(fixed.size, -1, dtype=np.int64)
         number[self.free] = np.arange(len(self.free))
@@ -146,7 +147,7 @@ class SolidModel:
 
     def gravity_force(self, density_kg_m3: dict[int, float], acceleration_m_s2: F64) -> F64:
         """Return consistent nodal forces [n_nodes, 3] of a uniform acceleration."""
-        shape = element_shapes(self.weights.shape[1])
+        shape = element_shapes(self.weights.shape[1], self.mesh.elements.shape[1])
         force = np.zeros((len(self.mesh.points_m), 3))
         density = np.array([density_kg_m3[int(m)] for m in self.mesh.material])
         lumped = np.einsum("e,eq,qa->ea", density, self.weights, shape)
@@ -155,11 +156,14 @@ class SolidModel:
 
     def _build_pattern(self, number: I64) -> None:
         """Build the upper triangle's numbering once: element entries first, then those of cavity faces."""
-        dofs = number[(3 * self.mesh.elements[:, :, None] + np.arange(3)).reshape(-1, 30)]
-        rows, columns = [dofs[:, _ROW].ravel()], [dofs[:, _COLUMN].ravel()]
+        n = len(self.mesh.elements)
+        dofs = number[(3 * self.mesh.elements[:, :, None] + np.arange(3)).reshape(n, -1)]
+        r, c = np.triu_indices(dofs.shape[1])
+        self._per_element = len(r)
+        rows, columns = [dofs[:, r].ravel()], [dofs[:, c].ravel()]
         if self.cavity is not None:
-            face = number[(3 * self.cavity.faces[:, :, None] + np.arange(3)).reshape(-1, 18)]
-            r, c = np.triu_indices(18)
+            face = number[(3 * self.cavity.faces[:, :, None] + np.arange(3)).reshape(len(self.cavity.faces), -1)]
+            r, c = np.triu_indices(face.shape[1])
             rows.append(face[:, r].ravel())
             columns.append(face[:, c].ravel())
         row, column = np.concatenate(rows), np.concatenate(columns)
@@ -176,27 +180,28 @@ class SolidModel:
 
     def _scatter(self, parts: list[tuple[I64, F64]], cavity_matrix: F64 | None) -> sp.csr_array:
         values = np.empty(len(self._slots))
-        n = len(self.mesh.elements)
-        by_element = values[: n * len(_ROW)].reshape(n, len(_ROW))
+        n, size = len(self.mesh.elements), self._per_element
+        by_element = values[: n * size].reshape(n, size)
         for chunk, stiffness in parts:
             by_element[chunk] = stiffness
         if cavity_matrix is not None:
-            r, c = np.triu_indices(18)
-            values[n * len(_ROW) :] = cavity_matrix[:, r, c].ravel()
+            r, c = np.triu_indices(cavity_matrix.shape[1])
+            values[n * size :] = cavity_matrix[:, r, c].ravel()
         data = np.bincount(self._slots, weights=values, minlength=self._n_entries)[: self._n_entries]
         size = len(self.free)
         return sp.csr_array((data, *self._structure), shape=(size, size))
 
 
 def element_gradients(mesh: SolidMesh, order: int) -> tuple[F64, F64]:
-    """Return shape-function gradients [n_elements, n_points, 10, 3] and weights [n_elements, n_points] [m^3].
+    """Return shape-function gradients [n_elements, n_points, 10 or 4, 3] and weights [n_elements, n_points] [m^3].
 
     Raises
     ------
     ValueError
         If an undeformed element is inverted.
     """
-    basis = Basis(mesh.skfem_mesh, ElementTetP2(), intorder=order)
+    element = ElementTetP2() if mesh.elements.shape[1] == 10 else ElementTetP1()
+    basis = Basis(mesh.skfem_mesh, element, intorder=order)
     gradients = np.stack([np.moveaxis(np.asarray(f[0].grad), 0, -1) for f in basis.basis], axis=2)
     jacobian = np.linalg.det(np.asarray(basis.mapping.DF(basis.X)).transpose(2, 3, 0, 1))
     if not (np.abs(np.sign(jacobian).sum(axis=1)) == jacobian.shape[1]).all():
@@ -204,8 +209,10 @@ def element_gradients(mesh: SolidMesh, order: int) -> tuple[F64, F64]:
     return np.ascontiguousarray(gradients), np.asarray(basis.dx)
 
 
-def element_shapes(n_points: int) -> F64:
-    """Return shape functions [n_points, 10] at the integration points of the four-point rule."""
+def element_shapes(n_points: int, n_nodes: int = 10) -> F64:
+    """Return shape functions [n_points, n_nodes] at the points of the four-point rule (P2) or the centroid (P1)."""
+    if (n_points, n_nodes) == (1, 4):
+        return np.full((1, 4), 0.25)
     from skfem.quadrature import get_quadrature  # noqa: PLC0415
 
     points, _ = get_quadrature(ElementTetP2, 2)
@@ -223,12 +230,16 @@ def deformation(u_m: F64, gradients: F64) -> F64:
 
 
 def element_forces(law: Law, u_m: F64, gradients: F64, weights: F64) -> tuple[F64, F64] | None:
-    """Return forces [n, 10, 3] and the stiffness' upper triangles [n, 465], or None where det F <= 0.
+    """Return forces [n, m, 3] and the stiffness' upper triangles [n, 3m (3m + 1) / 2], or None where det F <= 0.
+
+    ``u_m`` is [n, m, 3] and ``gradients`` [n, n_points, m, 3] with m nodes an element.
 
     With g = dJ/dF (cofactor), the mean dilatation adds kappa (J - 1) (g, d2J/dF2) pointwise and the rank-one term
     kappa / V (integral g)(integral g) per element.
     """
     n, points = weights.shape
+    m = gradients.shape[2]
+    row, column = np.triu_indices(3 * m)  # in (node, component) numbering
     F = deformation(u_m, gradients)
     J = np.linalg.det(F)
     if not (J > 0.0).all():
@@ -242,24 +253,23 @@ def element_forces(law: Law, u_m: F64, gradients: F64, weights: F64) -> tuple[F6
         volume = weights.sum(axis=1)
         pressure = kappa * ((J * weights).sum(axis=1) / volume - 1.0)
         P = P + pressure[:, None, None, None] * cofactor
-        A = A + pressure[:, None, None, None, None, None] * _cofactor_derivative(F)
-        rank_one = (weighted @ np.swapaxes(cofactor, -1, -2)).sum(axis=1).reshape(n, 30) * np.sqrt(kappa / volume)[
-            :, None
-        ]
+        A = A + pressure[:, None, None, None, None, None] * cofactor_derivative(F)
+        rank_one = (weighted @ np.swapaxes(cofactor, -1, -2)).sum(axis=1).reshape(n, 3 * m)
+        rank_one *= np.sqrt(kappa / volume)[:, None]
     force = (weighted @ np.swapaxes(P, -1, -2)).sum(axis=1)
     # K_aibj = sum_qJ w G_aJ (sum_L A_iJjL G_bL), the inner sum first
     inner = np.ascontiguousarray(np.swapaxes(A, 2, 3)).reshape(n, points, 27, 3) @ np.swapaxes(gradients, -1, -2)
-    left = np.ascontiguousarray(weighted.transpose(0, 2, 1, 3)).reshape(n, 10, 3 * points)
-    K = (left @ inner.reshape(n, 3 * points, 90)).reshape(n, 900)
+    left = np.ascontiguousarray(weighted.transpose(0, 2, 1, 3)).reshape(n, m, 3 * points)
+    K = (left @ inner.reshape(n, 3 * points, 9 * m)).reshape(n, 9 * m * m)
     # position of entry (3a + i, 3b + j) in the layout (a, i, j, b)
-    a, i, b, j = _ROW // 3, _ROW % 3, _COLUMN // 3, _COLUMN % 3
-    upper = K[:, ((a * 3 + i) * 3 + j) * 10 + b]
+    a, i, b, j = row // 3, row % 3, column // 3, column % 3
+    upper = K[:, ((a * 3 + i) * 3 + j) * m + b]
     if rank_one is not None:
-        upper += rank_one[:, _ROW] * rank_one[:, _COLUMN]
+        upper += rank_one[:, row] * rank_one[:, column]
     return force, upper
 
 
-def _cofactor_derivative(F: F64) -> F64:
+def cofactor_derivative(F: F64) -> F64:
     """Return d2 det(F) / dF_iJ dF_jL = eps_ijk eps_JLM F_kM, shape [..., 3, 3, 3, 3]."""
     H = np.zeros((*F.shape[:-2], 3, 3, 3, 3))
     for i, j, k, s in _PERMUTATIONS:

@@ -1,4 +1,4 @@
-"""Pressurised cavity: enclosed volume and its derivatives from curved six-node faces."""
+"""Pressurised cavity: enclosed volume and its derivatives from curved six-node or flat three-node faces."""
 
 import numpy as np
 
@@ -25,8 +25,8 @@ class Cavity:
 
     Parameters
     ----------
-    faces : array [n_faces, 6]
-        Vertices and mid-edge nodes ((0,1), (1,2), (0,2)), normals out of the cavity.
+    faces : array [n_faces, 6] or [n_faces, 3]
+        Vertices and mid-edge nodes ((0,1), (1,2), (0,2)) or vertices alone (P1), normals out of the cavity.
     n_nodes : int
         Number of nodes of the mesh.
     """
@@ -39,6 +39,11 @@ class Cavity:
         x, y = _POINTS.T
         z = 1.0 - x - y
         one = np.ones_like(x)
+        if faces.shape[1] == 3:
+            self._shape = np.stack([z, x, y], 1)
+            self._dx = np.stack([-one, one, 0 * one], 1)
+            self._dy = np.stack([-one, 0 * one, one], 1)
+            return
         self._shape = np.stack([z * (2 * z - 1), x * (2 * x - 1), y * (2 * y - 1), 4 * z * x, 4 * x * y, 4 * z * y], 1)
         self._dx = np.stack([1 - 4 * z, 4 * x - 1, 0 * one, 4 * (z - x), 4 * y, -4 * y], 1)
         self._dy = np.stack([1 - 4 * z, 0 * one, 4 * y - 1, -4 * x, 4 * x, 4 * (z - y)], 1)
@@ -49,7 +54,7 @@ class Cavity:
         return float(np.einsum("q,fqi,fqi->", _WEIGHTS, x * _HALF, np.cross(a, b)))
 
     def derivatives(self, points_m: F64) -> tuple[F64, F64]:
-        """Return dV/dx [n_nodes, 3] and the faces' Hessians [n_faces, 18, 18].
+        """Return dV/dx [n_nodes, 3] and the faces' Hessians [n_faces, 18, 18] (9 for three-node faces).
 
         The integrand is Dx . (a x b) with D = diag(1/2, 1/2, 0) and the tangents a, b of the face.
         """
@@ -63,7 +68,8 @@ class Cavity:
         hessian = self._pair(self._dx, self._dy, x, one)
         hessian += self._pair(self._shape, self._dx, b, _HALF)
         hessian -= self._pair(self._shape, self._dy, a, _HALF)
-        return gradient, hessian.reshape(-1, 18, 18)
+        size = 3 * self.faces.shape[1]
+        return gradient, hessian.reshape(-1, size, size)
 
     @staticmethod
     def _pair(first: F64, second: F64, vector: F64, scale: F64) -> F64:

@@ -48,7 +48,7 @@ class Lattice:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SolidMesh:
-    """Quadratic tetrahedra.
+    """Quadratic tetrahedra (or linear ones: four nodes an element, see :func:`fea.meshes.linear_mesh`).
 
     Attributes
     ----------

@@ -59,6 +59,7 @@ class Status(Enum):
     STALLED = "stalled"
     INVERTED = "inverted"
     SINGULAR = "singular"
+    LIMIT_POINT = "limit point"
 
 
 @dataclass(frozen=True, kw_only=True)
