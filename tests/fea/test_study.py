@@ -24,8 +24,13 @@ def short(geometry):
 
 
 @pytest.fixture(scope="module")
-def inflated(geometry, materials):
-    return actuator_study(setup(short(geometry), materials), [1e4, 2e4], Sweep())
+def steps():
+    return []
+
+
+@pytest.fixture(scope="module")
+def inflated(geometry, materials, steps):
+    return actuator_study(setup(short(geometry), materials), [4e3, 8e3], Sweep(on_step=steps.append))
 
 
 def test_actuator_s_highest_strain_is_at_the_inner_surface(inflated, geometry):
@@ -68,6 +73,18 @@ def test_exoskeleton_s_stress_maximum_is_at_the_proximal_joint(geometry, materia
     assert f["stress_maximum_at"] == ["proximal"] * 3
     assert (np.diff(f["max_von_mises_stress_pa"]) > 0.0).all()
     assert len(study.states) == len(f["joint_rotation_rad"]) == 3
+
+
+def test_resumed_path_repeats_the_unbroken_one(inflated, steps, geometry, materials):
+    """The second state is extrapolated from the one before the break, so even the iterations agree."""
+    again = []
+    first = [step for step in steps if step.parameter <= 4e3]
+    resume = Sweep(resume=first, on_step=again.append)
+    study = actuator_study(setup(short(geometry), materials), [4e3, 8e3], resume)
+    assert len(first) + len(again) == len(steps)
+    assert study.figures["newton_iterations"] == inflated.figures["newton_iterations"]
+    for key in ("pressure_pa_gauge", "axial_stretch", "volume_m3", "max_von_mises_strain"):
+        np.testing.assert_allclose(study.figures[key], inflated.figures[key], rtol=1e-9)
 
 
 def test_costs_are_parts_of_the_whole(inflated):
