@@ -107,6 +107,13 @@ def actuator_model(
     fixed = np.zeros((len(solid.points_m), 3), dtype=bool)
     fixed[symmetry_nodes(solid), 1] = True
     fixed[solid.cylindrical[:, 2] == 0.0] = True
+    cavity = chamber_cavity(solid, geometry)
+    laws = {SILICONE: silicone.law} | ({RING: pet.law} if rings else {})
+    return SolidModel(mesh=solid, laws=dict(laws), fixed=fixed, cavity=cavity)
+
+
+def chamber_cavity(solid: SolidMesh, geometry: FingerGeometry) -> Cavity:
+    """Return the chamber: its wall and the cap's inner face."""
     radius, end = geometry.actuator_inner_radius_m, geometry.chamber_length_m
 
     def on_chamber(c: F64) -> np.ndarray:
@@ -115,9 +122,7 @@ def actuator_model(
         # a face belongs to the wall or to the cap as a whole; a mixed face has an edge in common with both
         return wall | cap
 
-    cavity = Cavity(free_faces(solid, on_chamber), len(solid.points_m))
-    laws = {SILICONE: silicone.law} | ({RING: pet.law} if rings else {})
-    return SolidModel(mesh=solid, laws=dict(laws), fixed=fixed, cavity=cavity)
+    return Cavity(free_faces(solid, on_chamber), len(solid.points_m))
 
 
 def analyse_actuator(

@@ -10,7 +10,7 @@ from fea.assembly import Load, SolidModel
 from fea.cost import NO_COST, Cost
 from fea.geometry import FingerGeometry
 from fea.inputs import check_loads
-from fea.lattice import VOID, Lattice, build_mesh, split, symmetry_nodes
+from fea.lattice import VOID, Lattice, SolidMesh, build_mesh, split, symmetry_nodes
 from fea.materials import Material
 from fea.newton import NewtonOptions, Status, Sweep, follow
 
@@ -176,17 +176,8 @@ def _measure(model: SolidModel, geometry: FingerGeometry, u_m: F64, force_n: F64
     solid, g = model.mesh, geometry
     r, _, z = solid.cylindrical.T
     x = solid.points_m + u_m
-    tube = r >= g.tube_inner_radius_m - 1e-9
-    tube &= r <= g.tube_outer_radius_m + 1e-9
-    ends = [g.gap_start_m[0], *g.gap_start_m[1:], g.actuator_length_m]
-    angle = [0.0]
-    motions = [(0.0, np.zeros(2), np.zeros(2))]
-    for k in range(3):
-        low = g.gap_start_m[k] + g.gap_length_m
-        motion = _rigid_motion(solid.points_m, x, tube & (z >= low - 1e-9) & (z <= ends[k + 1] + 1e-9))
-        motions.append(motion)
-        angle.append(motion[0])
-    theta = np.diff(angle)
+    motions = section_motions(solid, geometry, u_m)
+    theta = np.diff([motion[0] for motion in motions])
     lengthening, moment = [], []
     for k, start in enumerate(g.gap_start_m):
         near = _moved(motions[k], np.array([0.0, start]))
@@ -197,6 +188,22 @@ def _measure(model: SolidModel, geometry: FingerGeometry, u_m: F64, force_n: F64
         moment.append(_moment(solid.points_m, x, force_n, _hinge(g, k, solid.cylindrical), g.joint_position_m[k]))
     tip = int(np.argmin(r + np.abs(z - g.finger_length_m)))
     return [float(u_m[tip, 0]), *(float(t) for t in theta), *moment, *lengthening]
+
+
+def section_motions(solid: SolidMesh, geometry: FingerGeometry, u_m: F64) -> list[tuple[float, F64, F64]]:
+    """Return rotation [rad] (positive in flexion), reference and moved centre [m] (x, z) of the tube's four sections.
+
+    The first is the clamped base; differences of the rotations are the joint angles, the last one is the tip angle.
+    """
+    g = geometry
+    r, _, z = solid.cylindrical.T
+    tube = (r >= g.tube_inner_radius_m - 1e-9) & (r <= g.tube_outer_radius_m + 1e-9)
+    ends = [*g.gap_start_m[1:], g.actuator_length_m]
+    motions = [(0.0, np.zeros(2), np.zeros(2))]
+    for start, end in zip(g.gap_start_m, ends, strict=True):
+        section = tube & (z >= start + g.gap_length_m - 1e-9) & (z <= end + 1e-9)
+        motions.append(_rigid_motion(solid.points_m, solid.points_m + u_m, section))
+    return motions
 
 
 def _hinge(geometry: FingerGeometry, joint: int, cylindrical: F64) -> Bool:

@@ -71,26 +71,22 @@ class SolidMesh:
     skfem_mesh: MeshTet2
 
 
-def build_mesh(lattice: Lattice) -> SolidMesh:
+def build_mesh(*lattices: Lattice) -> SolidMesh:
     """Split every cell into six tetrahedra along its main diagonal (Kuhn) and curve them with the cylindrical map.
 
     Equal splits of neighbouring cells match on shared faces. On the axis the vertices of all angles are one, and
-    tetrahedra that collapse there are dropped.
+    tetrahedra that collapse there are dropped. Several lattices are bonded where their vertices coincide (1 nm), which
+    takes equal edges in the interface.
     """
-    shape = (len(lattice.r_m), len(lattice.theta_rad), len(lattice.z_m))
-    corners = _kuhn_corners(lattice.material)
-    grid = np.stack(np.meshgrid(lattice.r_m, lattice.theta_rad, lattice.z_m, indexing="ij"), axis=-1).reshape(-1, 3)
-    index = np.moveaxis(corners, -1, 0).copy()
-    if lattice.r_m[0] == 0.0:
-        index[1] = np.where(index[0] == 0, 0, index[1])
-    tets = np.ravel_multi_index(tuple(index), shape)
-    material = np.repeat(lattice.material[lattice.material != VOID], 6)
-    ordered = np.sort(tets, axis=1)
-    whole = (np.diff(ordered, axis=1) > 0).all(axis=1)
-    tets, material = tets[whole], material[whole]
-    used, compact = np.unique(tets, return_inverse=True)
-    tets = compact.reshape(tets.shape)
-    vertices = grid[used]
+    parts = [_tetrahedra(lattice) for lattice in lattices]
+    vertices, tets, material = parts[0]
+    if len(parts) > 1:
+        offsets = np.cumsum([0, *(len(part[0]) for part in parts[:-1])])
+        vertices = np.concatenate([part[0] for part in parts])
+        tets = np.concatenate([part[1] + offset for part, offset in zip(parts, offsets, strict=True)])
+        material = np.concatenate([part[2] for part in parts])
+        _, first, merged = np.unique(np.round(vertices, 9), axis=0, return_index=True, return_inverse=True)
+        vertices, tets = vertices[first], merged.ravel()[tets]
 
     straight = MeshTet1(_cartesian(vertices).T.copy(), tets.T.astype(np.int64).copy())
     quadratic = MeshTet2.from_mesh(straight)
@@ -140,6 +136,23 @@ def split(edges: list[float], cells: list[int]) -> F64:
     """Subdivide each interval of ``edges`` into the given number of equal cells."""
     parts = [np.linspace(a, b, n + 1)[:-1] for a, b, n in zip(edges[:-1], edges[1:], cells, strict=True)]
     return np.concatenate([*parts, [edges[-1]]])
+
+
+def _tetrahedra(lattice: Lattice) -> tuple[F64, I64, I64]:
+    """Return the used vertices (r, theta, z) [n, 3], the tetrahedra [m, 4] and their material [m] of one lattice."""
+    shape = (len(lattice.r_m), len(lattice.theta_rad), len(lattice.z_m))
+    corners = _kuhn_corners(lattice.material)
+    grid = np.stack(np.meshgrid(lattice.r_m, lattice.theta_rad, lattice.z_m, indexing="ij"), axis=-1).reshape(-1, 3)
+    index = np.moveaxis(corners, -1, 0).copy()
+    if lattice.r_m[0] == 0.0:
+        index[1] = np.where(index[0] == 0, 0, index[1])
+    tets = np.ravel_multi_index(tuple(index), shape)
+    material = np.repeat(lattice.material[lattice.material != VOID], 6)
+    ordered = np.sort(tets, axis=1)
+    whole = (np.diff(ordered, axis=1) > 0).all(axis=1)
+    tets, material = tets[whole], material[whole]
+    used, compact = np.unique(tets, return_inverse=True)
+    return grid[used], compact.reshape(tets.shape).astype(np.int64), material
 
 
 def _kuhn_corners(material: I64) -> I64:

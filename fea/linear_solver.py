@@ -5,6 +5,7 @@ import warnings
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import scipy.sparse as sp
 from scipy.sparse.linalg import MatrixRankWarning, splu
 
@@ -23,11 +24,12 @@ def solver_name() -> str:
 
 
 class SymmetricSolver:
-    """Solves K x = b for symmetric K given by its upper triangle; the pattern is analysed once and reused."""
+    """Solves K x = b for symmetric K given by its upper triangle; a pattern is analysed once and reused."""
 
     def __init__(self, *, use_pardiso: bool | None = None) -> None:
         self._use_pardiso = solver_name().startswith("pypardiso") if use_pardiso is None else use_pardiso
         self._pardiso: Any = None
+        self._pattern: tuple[npt.NDArray[np.integer[Any]], npt.NDArray[np.integer[Any]]] | None = None
 
     def solve(self, upper: sp.csr_array, right_side: F64) -> F64 | None:
         """Return x, shaped like the right side, or None if K is singular to working precision.
@@ -35,7 +37,7 @@ class SymmetricSolver:
         Parameters
         ----------
         upper : csr_array [n, n]
-            Upper triangle of K with its diagonal; every call must have the pattern of the first.
+            Upper triangle of K with its diagonal; a pattern other than the last one's costs a new analysis.
         right_side : array [n] or [n, k]
         """
         x = self._mkl(upper, right_side) if self._use_pardiso else _superlu(upper, right_side)
@@ -51,11 +53,18 @@ class SymmetricSolver:
         from pypardiso import PyPardisoSolver  # noqa: PLC0415 - optional dependency
         from pypardiso.pardiso_wrapper import PyPardisoError  # noqa: PLC0415
 
+        pattern = (upper.indptr, upper.indices)
+        known = self._pattern is not None and all(map(np.array_equal, self._pattern, pattern))
+        self._pattern = pattern
         try:
             if self._pardiso is None:
                 self._pardiso = PyPardisoSolver(mtype=-2, size_limit_storage=0)
                 for index, value in _IPARM.items():
                     self._pardiso.set_iparm(index, value)
+                known = False
+            elif not known:
+                self._pardiso.free_memory(everything=True)
+            if not known:
                 self._run(_ANALYSE, upper, right_side)
             return self._run(_FACTOR_AND_SOLVE, upper, right_side)
         except PyPardisoError:

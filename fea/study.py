@@ -13,6 +13,8 @@ from fea.checkpoint import code_version
 from fea.density import Density
 from fea.exoskeleton import analyse_exoskeleton, exoskeleton_model
 from fea.fields import node_strain, point_positions, von_mises_fields
+from fea.finger import MESHES as FINGER_MESHES
+from fea.finger import analyse_finger, finger_model
 from fea.geometry import JOINT_NAMES, FingerGeometry
 from fea.linear_solver import solver_name
 from fea.materials import Material
@@ -123,6 +125,24 @@ def exoskeleton_study(setup: Setup, loads_n: Sequence[float], sweep: Sweep) -> S
         "stress_maximum_at": [joint for _, joint in stresses],
     }
     return _study(model, result, result.load_n, states, figures)
+
+
+def finger_study(setup: Setup, pressures_pa_gauge: Sequence[float], sweep: Sweep) -> Study:
+    """Analysis (iii): inflate the actuator inside the exoskeleton."""
+    model = finger_model(setup.geometry, setup.silicone, setup.pet, setup.tpu, FINGER_MESHES[setup.density.name])
+    sweep, kept = _keeping(sweep)
+    result = analyse_finger(model, setup.geometry, list(pressures_pa_gauge), sweep=sweep)
+    states = [np.zeros_like(model.solid.mesh.points_m), *(kept[p] for p in result.pressure_pa_gauge[1:])]
+    figures = {
+        "branch": ["loading"] * len(states),
+        "pressure_pa_gauge": result.pressure_pa_gauge.tolist(),
+        "tip_angle_deg": np.rad2deg(result.tip_angle_rad).tolist(),
+        "joint_rotation_rad": result.joint_angle_rad.tolist(),
+        "tip_displacement_m": result.tip_displacement_m.tolist(),
+        "volume_m3": result.volume_m3.tolist(),
+        "contact_force_n": result.contact_force_n.tolist(),
+    }
+    return _study(model.solid, result, result.pressure_pa_gauge, states, figures)
 
 
 def stress_maximum(model: SolidModel, geometry: FingerGeometry, u_m: F64) -> tuple[float, str]:

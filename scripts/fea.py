@@ -19,12 +19,13 @@ from assets import asset_path
 from fea.checkpoint import Checkpoints
 from fea.density import DENSITIES
 from fea.exoskeleton import LOADS_N
+from fea.finger import PRESSURES_PA_GAUGE
 from fea.geometry import FingerGeometry
 from fea.inputs import check_loads, check_pressures
 from fea.materials import VOLUMETRIC_READINGS, Material, load_material
 from fea.newton import Status, Step, Sweep
 from fea.results import write_results
-from fea.study import Setup, Study, actuator_study, exoskeleton_study
+from fea.study import Setup, Study, actuator_study, exoskeleton_study, finger_study
 from scripts import _cli
 
 EXAMPLES = """examples:
@@ -80,6 +81,17 @@ ANALYSES = {
         study=exoskeleton_study,
         curve=("tip_deflection_m", "tip deflection / m"),
         level=lambda parameter: max(0.0, parameter - 1.0),  # 0 to 1 brings in the self-weight
+    ),
+    "finger": Analysis(
+        help="complete finger: actuator inside exoskeleton with contact",
+        option="--pressures",
+        default=",".join(f"{1e-3 * pressure:g}" for pressure in PRESSURES_PA_GAUGE),
+        unit="kPa",
+        scale=1e3,
+        loads_help="increasing gauge pressures in kPa",
+        check=check_pressures,
+        study=finger_study,
+        curve=("tip_angle_deg", "tip angle / degrees"),
     ),
 }
 """A further analysis is one entry here and one study function."""

@@ -1,0 +1,127 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+from fea.actuator import ActuatorMesh, actuator_model
+from fea.assembly import Load, element_forces
+from fea.exoskeleton import ExoskeletonMesh
+from fea.finger import TPU, FingerMesh, analyse_finger, finger_lattices, finger_model
+from fea.geometry import FingerGeometry
+from fea.lattice import build_mesh, is_conforming
+from fea.linear_solver import SymmetricSolver
+from fea.newton import ContactState, NewtonOptions, Status, solve_equilibrium
+
+ACTUATOR = ActuatorMesh(theta_cells=3, inner_cells=1, gap_cells=1, cap_cells=1, core_cells=1)
+EXOSKELETON = ExoskeletonMesh(sector_cells=2, rest_cells=2, wall_cells=1, gap_cells=2, segment_cells=1)
+MESH = FingerMesh(actuator=ACTUATOR, exoskeleton=EXOSKELETON)
+PRESSURE = 6e3
+
+
+@pytest.fixture(scope="module")
+def slim(geometry) -> FingerGeometry:
+    """Every second ring left out: half the cells, the same physics."""
+    return replace(geometry, ring_count=22)
+
+
+@pytest.fixture(scope="module")
+def model(slim, materials):
+    m = materials
+    return finger_model(slim, m.silicone, m.pet, m.tpu, MESH)
+
+
+@pytest.fixture(scope="module")
+def result(model, slim):
+    return analyse_finger(model, slim, [2e3, PRESSURE])
+
+
+def test_lattices_are_bonded_on_the_cap_alone(slim):
+    parts = [build_mesh(lattice) for lattice in finger_lattices(slim, MESH)]
+    whole = build_mesh(*finger_lattices(slim, MESH))
+    shared = len(parts[0].points_m) + len(parts[1].points_m) - len(whole.points_m)
+    z = parts[0].cylindrical[:, 2]
+    assert shared == np.count_nonzero(np.isclose(z, slim.actuator_length_m))
+    assert is_conforming(whole)
+    assert len(whole.elements) == sum(len(part.elements) for part in parts)
+
+
+def test_finger_bends_towards_the_palm_and_nothing_penetrates(model, result):
+    assert result.status is Status.CONVERGED
+    np.testing.assert_allclose(result.pressure_pa_gauge, [0.0, 2e3, PRESSURE])
+    assert (np.diff(result.joint_angle_rad, axis=0) > 0.0).all()
+    np.testing.assert_allclose(result.tip_angle_rad, result.joint_angle_rad.sum(axis=1))
+    assert (np.diff(result.volume_m3) > 0.0).all()
+    assert (np.diff(result.tip_displacement_m) > 0.0).all()
+    assert (result.minimum_gap_m > 0.0).all()
+    # without contact the actuator would have left the clearance by now: it pushes, and stays outside
+    assert result.contact_force_n[0] == 0.0
+    assert result.contact_force_n[-1] > 0.0
+    assert result.minimum_gap_m[-1] < model.contact.options.activation_distance_m
+
+
+def test_moment_of_the_thrust_bends_the_flexure(model, slim, result, exoskeleton):
+    """Section of the middle joint: thrust p A_eff - T on the end plate, its lever, and the flexure's stiffness."""
+    thrust, moment = tpu_section(model.solid, slim, result.u_m, joint=1)
+    # ideal rings: the pressure acts on the rings' circle; the silicone takes part of it
+    ideal = PRESSURE * np.pi * slim.ring_radius_m**2
+    assert 0.3 * ideal < thrust < ideal
+    # thrust acts near the actuator's axis, less what the actuator itself takes in bending
+    assert slim.actuator_inner_radius_m < moment / thrust < slim.tube_outer_radius_m
+    flexure = (exoskeleton.moment_n_m[0, :2] / exoskeleton.angle_rad[0, :2]).mean()
+    # the thrust's tension and the actuator inside keep the curved strip from flattening: stiffer than on its own
+    assert flexure < moment / result.joint_angle_rad[-1, 1] < 1.6 * flexure
+
+
+def test_every_force_is_balanced_at_equilibrium(model, result):
+    """Contact has no resultant of its own, and the supports' reactions are all that is left of pressure and stress."""
+    load = Load(pressure_pa_gauge=PRESSURE)
+    state = model.solid.evaluate(result.u_m, load, tangent=False)
+    touch = model.contact.evaluate(result.u_m).force_n
+    np.testing.assert_allclose(touch.sum(axis=0), 0.0, atol=1e-9 * np.abs(touch).sum())
+    free = np.zeros(touch.size, dtype=bool)
+    free[model.solid.free] = True
+    residual = (state.reaction_n - touch).ravel()[free]
+    assert np.linalg.norm(residual) < 2e-5 * np.linalg.norm(state.reaction_n)
+
+
+def test_contact_that_never_touches_changes_nothing(slim, materials):
+    class Nothing:
+        def evaluate(self, u_m):
+            size = u_m.size
+            return ContactState(force_n=np.zeros_like(u_m), hessian=sp.csr_array((size, size)))
+
+        def step_bound(self, *_):
+            return 1.0
+
+    actuator = actuator_model(slim, materials.silicone, materials.pet, ACTUATOR)
+    zero, load = np.zeros_like(actuator.mesh.points_m), Load(pressure_pa_gauge=1e3)
+    with_it, without = (
+        solve_equilibrium(actuator, zero, load, NewtonOptions(), SymmetricSolver(), contact)
+        for contact in (Nothing(), None)
+    )
+    assert without.converged
+    assert with_it.iterations == without.iterations
+    np.testing.assert_allclose(with_it.u_m, without.u_m, atol=1e-9 * np.abs(without.u_m).max())
+
+
+def test_bad_pressures_are_refused(model, slim):
+    with pytest.raises(ValueError, match="pressures_pa_gauge"):
+        analyse_finger(model, slim, [5e3, 2e3])
+
+
+def tpu_section(solid, geometry, u_m, joint: int) -> tuple[float, float]:
+    """Pull [N] and flexion moment [N m] of the whole finger's flexure in the middle of a gap, about its nodes' mean."""
+    mesh, cut = solid.mesh, geometry.joint_position_m[joint]
+    beyond = np.flatnonzero((mesh.material == TPU) & (mesh.cylindrical[mesh.elements, 2].mean(axis=1) > cut))
+    nodes = mesh.elements[beyond]
+    force, _ = element_forces(solid.laws[TPU], u_m[nodes], solid.gradients[beyond], solid.weights[beyond])
+    internal = np.zeros_like(u_m)
+    np.add.at(internal, nodes, force)
+    section = np.isclose(mesh.cylindrical[:, 2], cut) & np.isin(np.arange(len(u_m)), nodes)
+    f, x = 2.0 * internal[section], (mesh.points_m + u_m)[section]
+    arm = x - x.mean(axis=0)
+    # internal force of the part beyond = pull of the part before it on the cut, with the sign turned
+    pull = np.linalg.norm(f.sum(axis=0))
+    moment = -(arm[:, 2] * f[:, 0] - arm[:, 0] * f[:, 2]).sum()
+    return float(pull), float(abs(moment))
