@@ -14,7 +14,8 @@ from fea.inputs import check_pressures
 from fea.lattice import VOID, Lattice, SolidMesh, build_mesh, free_faces, split, symmetry_nodes
 from fea.linear_solver import SymmetricSolver
 from fea.materials import Material
-from fea.newton import NewtonOptions, Status, Sweep, follow
+from fea.newton import NewtonOptions, Status
+from fea.path import Sweep, follow
 
 SILICONE, RING = 0, 1
 

@@ -12,7 +12,7 @@ from zipfile import BadZipFile
 import numpy as np
 
 from fea.cost import Cost
-from fea.newton import Step
+from fea.path import Step
 
 
 class Checkpoints:

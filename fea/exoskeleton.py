@@ -12,7 +12,8 @@ from fea.geometry import FingerGeometry
 from fea.inputs import check_loads
 from fea.lattice import VOID, Lattice, SolidMesh, build_mesh, split, symmetry_nodes
 from fea.materials import Material
-from fea.newton import NewtonOptions, Status, Sweep, follow
+from fea.newton import NewtonOptions, Status
+from fea.path import Sweep, follow
 
 TPU = 0
 LOADS_N = (0.07, 0.16, 0.27, 0.40, 0.56)

@@ -15,7 +15,8 @@ from fea.geometry import FingerGeometry
 from fea.inputs import check_pressures
 from fea.lattice import VOID, Lattice, build_mesh, free_faces, symmetry_nodes
 from fea.materials import Material
-from fea.newton import NewtonOptions, Status, Sweep, follow
+from fea.newton import NewtonOptions, Status
+from fea.path import Sweep, follow
 
 TPU = 2
 PRESSURES_PA_GAUGE = tuple(1e3 * p for p in (2, 5, 10, 15, 20, 25, 30, 37.5, 45, 52.5, 60, 65, 70, 75, 80))

@@ -18,7 +18,8 @@ from fea.finger import analyse_finger, finger_model
 from fea.geometry import JOINT_NAMES, FingerGeometry
 from fea.linear_solver import solver_name
 from fea.materials import Material
-from fea.newton import Status, Step, Sweep
+from fea.newton import Status
+from fea.path import Step, Sweep
 from fea.quality import mesh_quality
 
 

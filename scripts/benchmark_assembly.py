@@ -12,6 +12,10 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
+if sys.path and Path(sys.path[0]).resolve() == Path(__file__).resolve().parent:
+    # started by its path: the script ``fea.py`` beside this one would hide the package ``fea``
+    sys.path[0] = str(Path(__file__).resolve().parents[1])
+
 import numpy as np
 from skfem import Basis, BilinearForm, ElementTetP2, ElementVector
 

@@ -23,7 +23,8 @@ from fea.finger import PRESSURES_PA_GAUGE
 from fea.geometry import FingerGeometry
 from fea.inputs import check_loads, check_pressures
 from fea.materials import VOLUMETRIC_READINGS, Material, load_material
-from fea.newton import Status, Step, Sweep
+from fea.newton import Status
+from fea.path import Step, Sweep
 from fea.results import write_results
 from fea.study import Setup, Study, actuator_study, exoskeleton_study, finger_study
 from scripts import _cli

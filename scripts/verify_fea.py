@@ -8,6 +8,10 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
+if sys.path and Path(sys.path[0]).resolve() == Path(__file__).resolve().parent:
+    # started by its path: the script ``fea.py`` beside this one would hide the package ``fea``
+    sys.path[0] = str(Path(__file__).resolve().parents[1])
+
 import numpy as np
 from tqdm import tqdm
 

@@ -12,7 +12,8 @@ from fea.laws import Law
 from fea.linear_solver import SymmetricSolver
 from fea.meshes import linear_mesh
 from fea.mixed import MixedModel
-from fea.newton import NewtonOptions, follow, solve_equilibrium
+from fea.newton import NewtonOptions, solve_equilibrium
+from fea.path import follow
 
 FORMULATIONS = ("P1", "P2/P0", "P2/P1")
 

@@ -7,7 +7,8 @@ from fea.assembly import Load, SolidModel
 from fea.lattice import Lattice, build_mesh
 from fea.laws import IsochoricOgden, StVenantKirchhoff
 from fea.linear_solver import SymmetricSolver
-from fea.newton import NewtonOptions, Status, follow, solve_equilibrium
+from fea.newton import NewtonOptions, Status, solve_equilibrium
+from fea.path import follow
 
 SOFT = IsochoricOgden(coefficients_pa=(1.0667e5, 11.25, 609.0), exponents=(1.05, 4.0, -1.6), bulk_modulus_pa=3e7)
 STIFF = StVenantKirchhoff(young_modulus_pa=2.76e6, poisson_ratio=0.417)

@@ -12,7 +12,7 @@ import pytest
 import fea
 from fea.checkpoint import Checkpoints
 from fea.cost import Cost
-from fea.newton import Step
+from fea.path import Step
 from scripts.fea import main
 
 ROOT = Path(fea.__file__).parents[1]

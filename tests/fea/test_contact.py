@@ -58,7 +58,7 @@ def blocks() -> Blocks:
 def test_pressed_blocks_transmit_the_force_of_uniaxial_compression(blocks):
     start = blocks.shifted(0.12e-3)
     options = NewtonOptions(relative_tolerance=1e-9, max_iterations=40)
-    outcome = solve_equilibrium(blocks.model, start, Load(), options, SymmetricSolver(), blocks.contact)
+    outcome = solve_equilibrium(blocks.model, start, Load(), options, SymmetricSolver(), contact=blocks.contact)
     assert outcome.status is Status.CONVERGED
     reaction = blocks.model.evaluate(outcome.u_m, Load(), tangent=False).reaction_n
     push = blocks.contact.evaluate(outcome.u_m).force_n

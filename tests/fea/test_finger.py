@@ -97,7 +97,7 @@ def test_contact_that_never_touches_changes_nothing(slim, materials):
     actuator = actuator_model(slim, materials.silicone, materials.pet, ACTUATOR)
     zero, load = np.zeros_like(actuator.mesh.points_m), Load(pressure_pa_gauge=1e3)
     with_it, without = (
-        solve_equilibrium(actuator, zero, load, NewtonOptions(), SymmetricSolver(), contact)
+        solve_equilibrium(actuator, zero, load, NewtonOptions(), SymmetricSolver(), contact=contact)
         for contact in (Nothing(), None)
     )
     assert without.converged

@@ -8,7 +8,8 @@ import pytest
 from fea.actuator import SILICONE
 from fea.density import DENSITIES
 from fea.fields import node_strain
-from fea.newton import Status, Sweep
+from fea.newton import Status
+from fea.path import Sweep
 from fea.study import Setup, actuator_study, exoskeleton_study
 
 
