@@ -17,6 +17,9 @@ from fea.assembly import Evaluation, Load, SolidModel
 from fea.cost import NO_COST, Cost, Stopwatch
 from fea.linear_solver import SymmetricSolver
 
+_EXACT_BELOW = 3e-3
+"""Choice: relative residual below which contact gives its exact Hessian. Projected throughout, the finger's step from
+65 to 65.8 kPa lost 40 % of its residual an iteration and was not done after 18; exact near the end it took 9."""
 BOUND_SHARE = 0.8
 """Choice: share of the collision-free way that a step uses, so that gaps stay open for the next one."""
 
@@ -30,7 +33,7 @@ class ContactState:
     force_n : array [n_nodes, 3]
         Forces of the contact on the nodes (minus the gradient of its energy).
     hessian : csr_array [3 n_nodes, 3 n_nodes]
-        Positive semi-definite Hessian of its energy [N/m], upper triangle.
+        Hessian of its energy [N/m], upper triangle.
     """
 
     force_n: F64
@@ -40,8 +43,8 @@ class ContactState:
 class Contact(Protocol):
     """What Newton's method needs of a contact."""
 
-    def evaluate(self, u_m: F64) -> ContactState:
-        """Return forces and Hessian at displacements [n_nodes, 3]."""
+    def evaluate(self, u_m: F64, *, project: bool = True) -> ContactState:
+        """Return forces and Hessian at displacements [n_nodes, 3]; ``project`` makes it positive semi-definite."""
         ...
 
     def step_bound(self, u_m: F64, trial_m: F64) -> float:
@@ -139,7 +142,7 @@ class _Iteration:
         for iteration in range(options.max_iterations + 1):
             if state is None or state.tangent is None:
                 return Outcome(status=Status.INVERTED, u_m=u, iterations=iteration, residual=relative)
-            imbalance, tangent = self._system(u, state, state.tangent)
+            imbalance, tangent = self._system(u, state, state.tangent, project=relative > _EXACT_BELOW)
             forces = (state.external_n, state.internal_n, state.reaction_n)
             scale = max(1e-12, *(float(np.linalg.norm(force)) for force in forces))
             relative = float(np.linalg.norm(imbalance)) / scale
@@ -159,14 +162,14 @@ class _Iteration:
         with self.watch.time("assembly"):
             return self.model.evaluate(u, self.load)
 
-    def _system(self, u: F64, state: Evaluation, tangent: sp.csr_array) -> tuple[F64, sp.csr_array]:
+    def _system(self, u: F64, state: Evaluation, tangent: sp.csr_array, *, project: bool) -> tuple[F64, sp.csr_array]:
         """Return out-of-balance force and tangent at the free degrees of freedom, contact included."""
         imbalance = state.external_n - state.internal_n
         if self.contact is None:
             return imbalance, tangent
         free = self.model.free
         with self.watch.time("contact"):
-            touch = self.contact.evaluate(u)
+            touch = self.contact.evaluate(u, project=project)
             imbalance = imbalance + touch.force_n.ravel()[free]
             return imbalance, sp.csr_array(tangent + touch.hessian[free][:, free])
 

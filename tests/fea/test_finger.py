@@ -87,7 +87,7 @@ def test_every_force_is_balanced_at_equilibrium(model, result):
 
 def test_contact_that_never_touches_changes_nothing(slim, materials):
     class Nothing:
-        def evaluate(self, u_m):
+        def evaluate(self, u_m, *, project=True):  # noqa: ARG002 - the protocol's signature
             size = u_m.size
             return ContactState(force_n=np.zeros_like(u_m), hessian=sp.csr_array((size, size)))
 
