@@ -163,7 +163,7 @@ def parser() -> _cli.Parser:
     p = _cli.Parser(description=__doc__, examples=EXAMPLES)
     p.add_argument("--cells", type=_cli.positive_int, default=10, help="cells along an edge of the cube (%(default)s)")
     p.add_argument("--repetitions", type=_cli.positive_int, default=3, help="the fastest of these counts (%(default)s)")
-    p.add_argument("--json", type=Path, help="write times and ratios here")
+    p.add_common(seed="taken for uniformity; nothing is random", json="write times and ratios here")
     return p
 
 

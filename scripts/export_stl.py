@@ -33,8 +33,7 @@ def parser() -> _cli.Parser:
     p = _cli.Parser(description=__doc__, examples=EXAMPLES)
     p.add_argument("--out", type=Path, required=True, help="folder of the STL files")
     _cli.add_dimension(p)
-    p.add_argument("--json", type=Path, help="write volumes and thinnest walls here")
-    p.add_argument("--seed", type=_cli.non_negative_int, default=0, help="taken for uniformity; nothing is random")
+    p.add_common(seed="taken for uniformity; nothing is random", json="write volumes and thinnest walls here")
     return p
 
 

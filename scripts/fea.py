@@ -122,10 +122,9 @@ def parser() -> _cli.Parser:
         "--rings", action=BooleanOptionalAction, default=True, help="reinforcement rings in the actuator (yes)"
     )
     _cli.add_dimension(p)
-    p.add_argument("--json", type=Path, help="write the figures here")
+    p.add_common(seed="taken for uniformity; nothing is random", json="write the figures here")
     p.add_argument("--out", type=Path, help="folder of checkpoint, VTU fields and pictures")
     p.add_argument("--pictures", action=BooleanOptionalAction, default=True, help="draw into --out (yes)")
-    p.add_argument("--seed", type=_cli.non_negative_int, default=0, help="taken for uniformity; nothing is random")
     return p
 
 

@@ -33,7 +33,7 @@ def parser() -> _cli.Parser:
     p.add_argument("--flexure", type=_cli.positive_float, nargs="+", default=[3.0], metavar="MM", help="thicknesses")
     p.add_argument("--mesh", choices=sorted(MESHES), default="coarse", help="mesh density (%(default)s)")
     p.add_argument("--to", type=_cli.positive_float, default=80.0, metavar="KPA", help="highest pressure (%(default)s)")
-    p.add_argument("--json", type=Path, help="write the curves here")
+    p.add_common(seed="taken for uniformity; nothing is random", json="write the curves here")
     return p
 
 

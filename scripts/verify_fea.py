@@ -130,7 +130,7 @@ def parser() -> _cli.Parser:
     names = [*problems(), "patch", "orders"]
     p.add_argument("--only", nargs="+", choices=names, metavar="NAME", help=f"some of: {', '.join(names)}")
     p.add_argument("--out", type=Path, help="write the page here (Markdown)")
-    p.add_argument("--json", type=Path, help="write all figures here")
+    p.add_common(seed="taken for uniformity; nothing is random", json="write all figures here")
     return p
 
 

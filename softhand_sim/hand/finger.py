@@ -41,11 +41,7 @@ def add_finger(palm: Any, name: str, calibration: FingerCalibration) -> list[Any
             type="hinge",
             axis=(0, 1, 0),
             range=JOINT_RANGE_RAD,
-            stiffness=(
-                joint.stiffness_n_m_per_rad,
-                joint.stiffness_n_m_per_rad2,
-                joint.stiffness_n_m_per_rad3,
-            ),
+            stiffness=joint.polynomial,
             damping=joint.damping_n_m_s_per_rad,
             armature=ARMATURE_KG_M2,
         )
@@ -90,11 +86,7 @@ def _add_actuator(root: mjcf.RootElement, name: str, calibration: FingerCalibrat
         "fixed",
         name=f"{name}_actuator",
         springlength=(0.0, 0.0),
-        stiffness=(
-            calibration.tendon.stiffness_n_per_m,
-            calibration.tendon.stiffness_n_per_m2,
-            calibration.tendon.stiffness_n_per_m3,
-        ),
+        stiffness=calibration.tendon.polynomial,
     )
     for joint in calibration.joints:
         tendon.add("joint", joint=f"{name}_{joint.name}", coef=joint.offset_m)
