@@ -153,7 +153,6 @@ def analyse_actuator(
         pressures_pa_gauge,
         options or NewtonOptions(),
         on_target=record,
-        extrapolate=True,
         sweep=sweep,
     )
     pressure, lengthening, volume, growth, stretch, area = np.array(rows).T

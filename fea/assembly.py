@@ -36,6 +36,16 @@ class Load:
     pressure_pa_gauge: float = 0.0
     force_n: F64 | None = None
 
+    def towards(self, other: "Load", share: float) -> "Load":
+        """Return the load a share of the way to another."""
+        force = None
+        if self.force_n is not None or other.force_n is not None:
+            ours = np.zeros(1) if self.force_n is None else self.force_n
+            theirs = np.zeros(1) if other.force_n is None else other.force_n
+            force = ours + share * (theirs - ours)
+        pressure = self.pressure_pa_gauge + share * (other.pressure_pa_gauge - self.pressure_pa_gauge)
+        return Load(pressure_pa_gauge=pressure, force_n=force)
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Evaluation:
@@ -122,16 +132,26 @@ class SolidModel:
             reaction_n=internal - external,
         )
 
-    def energy(self, u_m: F64, load: Load) -> float:
-        """Return the total potential of the half model [J] (used to verify forces)."""
+    def external(self, u_m: F64, load: Load) -> F64:
+        """Return the load's nodal forces [n_nodes, 3] at displacements u."""
+        force = np.zeros_like(u_m) if load.force_n is None else load.force_n.copy()
+        if self.cavity is not None and load.pressure_pa_gauge != 0.0:
+            force += load.pressure_pa_gauge * self.cavity.gradient(self.mesh.points_m + u_m)
+        return force
+
+    def energy(self, u_m: F64, load: Load) -> float | None:
+        """Return the total potential of the half model [J], or None if an element is inverted."""
         total = 0.0
         for index, law in self.laws.items():
             members = np.flatnonzero(self.mesh.material == index)
             F = deformation(u_m[self.mesh.elements[members]], self.gradients[members])
+            J = np.linalg.det(F)
+            if not (J > 0.0).all():
+                return None
             weights = self.weights[members]
             total += float((law.energy(F) * weights).sum())
             volume = weights.sum(axis=1)
-            mean = (np.linalg.det(F) * weights).sum(axis=1) / volume
+            mean = (J * weights).sum(axis=1) / volume
             total += 0.5 * law.bulk_modulus_pa * float((volume * (mean - 1.0) ** 2).sum())
         if load.force_n is not None:
             total -= float((load.force_n * u_m).sum())

@@ -60,16 +60,22 @@ class Cavity:
         """
         x, a, b = self._frames(points_m)
         x = x * _HALF
-        terms = ((self._shape, np.cross(a, b) * _HALF), (self._dx, np.cross(b, x)), (self._dy, np.cross(x, a)))
-        local = sum(np.einsum("q,qm,fqi->fmi", _WEIGHTS, N, v) for N, v in terms)
-        gradient = np.zeros((self.n_nodes, 3))
-        np.add.at(gradient, self.faces, local)
         one = np.ones(3)
         hessian = self._pair(self._dx, self._dy, x, one)
         hessian += self._pair(self._shape, self._dx, b, _HALF)
         hessian -= self._pair(self._shape, self._dy, a, _HALF)
         size = 3 * self.faces.shape[1]
-        return gradient, hessian.reshape(-1, size, size)
+        return self.gradient(points_m), hessian.reshape(-1, size, size)
+
+    def gradient(self, points_m: F64) -> F64:
+        """Return dV/dx [n_nodes, 3]: the nodal forces of a unit pressure."""
+        x, a, b = self._frames(points_m)
+        x = x * _HALF
+        terms = ((self._shape, np.cross(a, b) * _HALF), (self._dx, np.cross(b, x)), (self._dy, np.cross(x, a)))
+        local = sum(np.einsum("q,qm,fqi->fmi", _WEIGHTS, N, v) for N, v in terms)
+        gradient = np.zeros((self.n_nodes, 3))
+        np.add.at(gradient, self.faces, local)
+        return gradient
 
     @staticmethod
     def _pair(first: F64, second: F64, vector: F64, scale: F64) -> F64:

@@ -76,12 +76,27 @@ class SymmetricSolver:
         return np.asarray(self._pardiso._call_pardiso(upper, np.asfortranarray(right_side)), dtype=np.float64)
 
 
+class KeptFactors:
+    """Factors of a symmetric positive definite matrix that many right-hand sides are solved with (SuperLU)."""
+
+    def __init__(self, matrix: sp.csr_array) -> None:
+        self._factors = _factored(sp.csc_array(matrix))
+
+    def solve(self, right_side: F64) -> F64:
+        """Return x of K x = b."""
+        return np.asarray(self._factors.solve(right_side), dtype=np.float64)
+
+
 def _superlu(upper: sp.csr_array, right_side: F64) -> F64 | None:
     full = sp.csc_array(upper + sp.triu(upper, k=1).T)
     with warnings.catch_warnings():
         warnings.simplefilter("error", MatrixRankWarning)
         try:
-            factors = splu(full, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+            factors = _factored(full)
         except (MatrixRankWarning, RuntimeError):
             return None
     return np.asarray(factors.solve(right_side), dtype=np.float64)
+
+
+def _factored(full: sp.csc_array) -> Any:
+    return splu(full, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})

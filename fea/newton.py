@@ -1,7 +1,12 @@
-"""Newton's method with a step cap and an optional contact. Failure is a value, not an exception.
+"""Newton's method for large rotations, follower pressure and contact. Failure is a value, not an exception.
 
-No energy line search: near-inextensible rings make the linear step stretch them at large rotation, and a search on the
-energy then cripples the method.
+Three things make it converge where stiff rings turn far in one step (figures in docs/decisions.md):
+
+- the linear step is applied through :class:`fea.retraction.Retraction`, which turns stiff parts and does not
+  stretch them;
+- the tangent belongs to the load that the stresses balance. The stiffness of a follower pressure that the walls do not
+  carry yet is that of a strut about to buckle, so the load moves on with the step that brings the stresses there;
+- a search on the energy keeps steps from going deep into a contact's barrier.
 """
 
 from collections.abc import Callable
@@ -13,13 +18,19 @@ import numpy as np
 import scipy.sparse as sp
 
 from fea.arrays import F64
-from fea.assembly import Evaluation, Load, SolidModel
+from fea.assembly import Evaluation, Load
 from fea.cost import NO_COST, Cost, Stopwatch
-from fea.linear_solver import SymmetricSolver
+from fea.workspace import Workspace
 
-_EXACT_BELOW = 3e-3
-"""Choice: relative residual below which contact gives its exact Hessian. Projected throughout, the finger's step from
-65 to 65.8 kPa lost 40 % of its residual an iteration and was not done after 18; exact near the end it took 9."""
+_SUFFICIENT_DECREASE = 1e-4
+"""Armijo's constant (Nocedal & Wright, Numerical Optimization, ch. 3)."""
+_ROUNDING = 1e-12
+"""Choice: share of the energy by which rounding may hide a decrease."""
+_SEARCH_HALVINGS = 10
+_WHOLE = 1.0 - 1e-9
+_SMALLEST_FORCE_N = 1e-9
+"""Choice: where no force acts, residuals are measured against this."""
+_FOUNDATION_SHARES = (0.0, 1e-2, 1e-1, 1.0, 10.0)
 BOUND_SHARE = 0.8
 """Choice: share of the collision-free way that a step uses, so that gaps stay open for the next one."""
 
@@ -45,6 +56,10 @@ class Contact(Protocol):
 
     def evaluate(self, u_m: F64, *, project: bool = True) -> ContactState:
         """Return forces and Hessian at displacements [n_nodes, 3]; ``project`` makes it positive semi-definite."""
+        ...
+
+    def energy(self, u_m: F64) -> float:
+        """Return the energy [J] whose gradient the forces are."""
         ...
 
     def step_bound(self, u_m: F64, trial_m: F64) -> float:
@@ -76,18 +91,19 @@ class NewtonOptions:
         Iterations of one load step.
     min_step : float
         Smallest fraction of a requested load step before giving up.
-    largest_step : float
-        Load steps start with this size and never exceed it (in the load's parameter).
+    first_step, largest_step : float
+        Size of the first load step and the size that none exceeds (in the load's parameter).
     """
 
     relative_tolerance: float = 1e-6
-    step_cap_m: float = 4e-3
+    step_cap_m: float = 30e-3
     max_iterations: int = 16
     min_step: float = 1.0 / 64.0
+    first_step: float = np.inf
     largest_step: float = np.inf
 
     def __post_init__(self) -> None:
-        for name in ("relative_tolerance", "step_cap_m", "max_iterations", "min_step", "largest_step"):
+        for name in ("relative_tolerance", "step_cap_m", "max_iterations", "min_step", "first_step", "largest_step"):
             if not getattr(self, name) > 0:
                 raise ValueError(f"{name} = {getattr(self, name)} must be positive")
 
@@ -109,90 +125,136 @@ class Outcome:
 
 
 def solve_equilibrium(
-    model: SolidModel,
+    work: Workspace,
     u_m: F64,
     load: Load,
     options: NewtonOptions,
-    solver: SymmetricSolver,
     *,
+    balanced: Load | None = None,
     contact: Contact | None = None,
     on_iteration: Callable[[int, float], None] = lambda *_: None,
 ) -> Outcome:
-    """Iterate from ``u_m`` (which satisfies the supports and touches nothing) to equilibrium under ``load``."""
+    """Iterate from ``u_m`` (which satisfies the supports and touches nothing) to equilibrium under ``load``.
+
+    ``balanced`` is the load that ``u_m`` is in equilibrium with; without it, it is taken to be ``load``.
+    """
     watch = Stopwatch()
-    outcome = _Iteration(model, load, options, solver, contact, watch).run(u_m, on_iteration)
+    solve = _Solve(work, load, options, contact, watch)
+    outcome = solve.run(u_m, balanced or load, on_iteration)
     return replace(outcome, cost=watch.cost(outcome.iterations))
 
 
 @dataclass(frozen=True)
-class _Iteration:
-    """One Newton solve: its parts are named here once."""
+class _Solve:
+    """One equilibrium: its parts are named here once."""
 
-    model: SolidModel
+    work: Workspace
     load: Load
     options: NewtonOptions
-    solver: SymmetricSolver
     contact: Contact | None
     watch: Stopwatch
 
-    def run(self, u_m: F64, on_iteration: Callable[[int, float], None]) -> Outcome:
-        u, options = u_m.copy(), self.options
-        state = self._evaluate(u)
-        relative = np.inf
+    def run(self, u_m: F64, balanced: Load, on_iteration: Callable[[int, float], None]) -> Outcome:
+        u, options, carried = u_m.copy(), self.options, balanced
         for iteration in range(options.max_iterations + 1):
+            with self.watch.time("assembly"):
+                state = self.work.model.evaluate(u, carried)
             if state is None or state.tangent is None:
-                return Outcome(status=Status.INVERTED, u_m=u, iterations=iteration, residual=relative)
-            imbalance, tangent = self._system(u, state, state.tangent, project=relative > _EXACT_BELOW)
-            forces = (state.external_n, state.internal_n, state.reaction_n)
-            scale = max(1e-12, *(float(np.linalg.norm(force)) for force in forces))
-            relative = float(np.linalg.norm(imbalance)) / scale
+                return Outcome(status=Status.INVERTED, u_m=u, iterations=iteration, residual=np.inf)
+            imbalance, tangent = self._system(u, state, state.tangent)
+            relative = float(np.linalg.norm(imbalance)) / _scale(state)
             on_iteration(iteration, relative)
-            if relative <= options.relative_tolerance:
+            if relative <= options.relative_tolerance and carried is self.load:
                 return Outcome(status=Status.CONVERGED, u_m=u, iterations=iteration, residual=relative)
             if iteration == options.max_iterations:
                 break
-            with self.watch.time("solve"):
-                step = self.solver.solve(tangent, imbalance)
+            step = self._direction(u, state, tangent, imbalance)
             if step is None:
                 return Outcome(status=Status.SINGULAR, u_m=u, iterations=iteration, residual=relative)
-            u, state = self._advance(u, self._bounded(u, step))
+            moved = self._advance(u, step, float(step @ imbalance), settled=carried is self.load)
+            if moved is None:
+                return Outcome(status=Status.STALLED, u_m=u, iterations=iteration + 1, residual=relative)
+            u, share = moved
+            carried = self.load if share > _WHOLE else carried.towards(self.load, share)
         return Outcome(status=Status.STALLED, u_m=u, iterations=options.max_iterations, residual=relative)
 
-    def _evaluate(self, u: F64) -> Evaluation | None:
-        with self.watch.time("assembly"):
-            return self.model.evaluate(u, self.load)
-
-    def _system(self, u: F64, state: Evaluation, tangent: sp.csr_array, *, project: bool) -> tuple[F64, sp.csr_array]:
-        """Return out-of-balance force and tangent at the free degrees of freedom, contact included."""
-        imbalance = state.external_n - state.internal_n
+    def _system(self, u: F64, state: Evaluation, tangent: sp.csr_array) -> tuple[F64, sp.csr_array]:
+        """Return the imbalance under the whole load and the tangent at the load carried, at the free freedoms."""
+        model = self.work.model
+        imbalance = model.external(u, self.load).ravel()[model.free] - state.internal_n
         if self.contact is None:
             return imbalance, tangent
-        free = self.model.free
         with self.watch.time("contact"):
-            touch = self.contact.evaluate(u, project=project)
-            imbalance = imbalance + touch.force_n.ravel()[free]
-            return imbalance, sp.csr_array(tangent + touch.hessian[free][:, free])
+            touch = self.contact.evaluate(u, project=False)
+        return imbalance + touch.force_n.ravel()[model.free], self._with_contact(tangent, touch)
 
-    def _bounded(self, u: F64, step: F64) -> F64:
-        """Return the step cut to the cap and to the way on which nothing touches."""
-        step = step * min(1.0, self.options.step_cap_m / max(float(np.abs(step).max()), 1e-30))
-        if self.contact is None:
+    def _with_contact(self, tangent: sp.csr_array, touch: ContactState) -> sp.csr_array:
+        free = self.work.model.free
+        with self.watch.time("contact"):
+            return self.work.pattern.add(tangent, sp.csr_array(touch.hessian[free][:, free]))
+
+    def _direction(self, u: F64, state: Evaluation, tangent: sp.csr_array, imbalance: F64) -> F64 | None:
+        """Return a step down the energy: Newton's, else with the contact's Hessian projected, else on a foundation."""
+        with self.watch.time("solve"):
+            step = self.work.solver.solve(tangent, imbalance)
+        if step is not None and step @ imbalance > 0.0:
             return step
+        if self.contact is not None and state.tangent is not None:
+            with self.watch.time("contact"):
+                touch = self.contact.evaluate(u, project=True)
+            tangent = self._with_contact(state.tangent, touch)
+        for share in _FOUNDATION_SHARES:
+            shifted = tangent if share == 0.0 else _on_diagonal(tangent, share * self.work.foundation_n_per_m)
+            with self.watch.time("solve"):
+                step = self.work.solver.solve(shifted, imbalance)
+            if step is not None and step @ imbalance > 0.0:
+                return step
+        return None
+
+    def _advance(self, u: F64, step: F64, slope: float, *, settled: bool) -> tuple[F64, float] | None:
+        """Return the displacement after the step and the share of it taken, or None where no share will do.
+
+        The share keeps the cap, what is free of collisions, elements upright and, once the load is carried as a whole
+        (``settled``), the energy falling.
+        """
+        nodal = np.zeros_like(u)
+        nodal.reshape(-1)[self.work.model.free] = step
+        share = min(1.0, self.options.step_cap_m / max(float(np.abs(nodal).max()), 1e-30))
+        before = self._energy(u) if settled else None
+        for attempt in range(_SEARCH_HALVINGS):
+            trial = u + self.work.retraction(u, share * nodal)
+            if self.contact is not None and attempt == 0:
+                with self.watch.time("contact"):
+                    bound = self.contact.step_bound(u, trial)
+                if bound < 1.0:
+                    share *= BOUND_SHARE * bound
+                    trial = u + self.work.retraction(u, share * nodal)
+            after = self._energy(trial)
+            if after is not None and (
+                before is None or after <= before - _SUFFICIENT_DECREASE * share * slope + _ROUNDING * abs(before)
+            ):
+                return trial, share
+            share *= 0.5
+        return None
+
+    def _energy(self, u: F64) -> float | None:
+        """Return the potential [J], or None where an element is inverted or surfaces pass through each other."""
+        with self.watch.time("assembly"):
+            energy = self.work.model.energy(u, self.load)
+        if energy is None or self.contact is None:
+            return energy
         with self.watch.time("contact"):
-            bound = self.contact.step_bound(u, self._moved(u, step))
-        return step if bound >= 1.0 else BOUND_SHARE * bound * step
+            return energy + self.contact.energy(u)
 
-    def _advance(self, u: F64, step: F64) -> tuple[F64, Evaluation | None]:
-        """Take the step, halved while it would invert an element."""
-        for _ in range(6):
-            trial = self._moved(u, step)
-            state = self._evaluate(trial)
-            if state is not None:
-                return trial, state
-            step = 0.5 * step
-        return u, None
 
-    def _moved(self, u: F64, step: F64) -> F64:
-        moved = u.copy()
-        moved.reshape(-1)[self.model.free] += step
-        return moved
+def _scale(state: Evaluation) -> float:
+    forces = (state.external_n, state.internal_n, state.reaction_n)
+    return max(_SMALLEST_FORCE_N, *(float(np.linalg.norm(force)) for force in forces))
+
+
+def _on_diagonal(upper: sp.csr_array, values: F64) -> sp.csr_array:
+    """Return the upper triangle with values added to its diagonal, on the same pattern."""
+    shifted = upper.copy()
+    # the first stored entry of each row of an upper triangle with a full diagonal is the diagonal
+    shifted.data[upper.indptr[:-1]] += values
+    return shifted

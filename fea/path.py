@@ -9,11 +9,12 @@ import numpy as np
 from fea.arrays import F64
 from fea.assembly import Load, SolidModel
 from fea.cost import NO_COST, Cost
-from fea.linear_solver import SymmetricSolver
-from fea.newton import BOUND_SHARE, Contact, NewtonOptions, Outcome, Status, solve_equilibrium
+from fea.newton import Contact, NewtonOptions, Outcome, Status, solve_equilibrium
+from fea.workspace import workspace
 
-_GROWTH = 1.15
-"""Choice: growth of a load step that worked after one that failed; doubling failed again every second time."""
+_EASY, _HARD = 6, 10
+_GROWTH, _SHRINKAGE = 1.5, 0.8
+"""Choices: a step of at most 6 iterations lets the next grow, one of more than 10 makes it shrink."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -53,7 +54,6 @@ def follow(
     options: NewtonOptions,
     *,
     on_target: Callable[[float, F64], None],
-    extrapolate: bool = False,
     contact: Contact | None = None,
     sweep: Sweep | None = None,
 ) -> Outcome:
@@ -68,8 +68,6 @@ def follow(
         Increasing parameters at which ``on_target(parameter, u)`` is called, those of resumed steps included.
     options : NewtonOptions
     on_target : callable
-    extrapolate : bool
-        Start each step from the linear extrapolation of the last two states, as far as contact allows.
     contact : Contact, optional
         Contact between surfaces of the model.
     sweep : Sweep, optional
@@ -84,49 +82,47 @@ def follow(
     sweep = sweep or Sweep()
     zero = np.zeros_like(model.mesh.points_m)
     states = [(0.0, zero), *((step.parameter, step.u_m) for step in sweep.resume)]
-    before, (at, u) = (states[-2] if len(states) > 1 else None), states[-1]
+    at, u = states[-1]
     spent = sweep.resume[-1].cost if sweep.resume else NO_COST
     reached = dict(states)
-    solver = SymmetricSolver()
+    work = workspace(model)
     outcome = Outcome(status=Status.CONVERGED, u_m=u, iterations=0, residual=0.0)
-    start, size = 0.0, options.largest_step
+    size = min(options.first_step, options.largest_step)
+    start = 0.0
     for target in targets:
         span, start = target - start, target
         while at < target:
             step = min(size, target - at)
             aim = target if step >= target - at else at + step
-            guess = u
-            if extrapolate and before is not None:
-                guess = _extrapolated(before, (at, u), step, contact)
             outcome = solve_equilibrium(
-                model,
-                guess,
+                work,
+                u,
                 load_at(aim),
                 options,
-                solver,
+                balanced=load_at(at),
                 contact=contact,
                 on_iteration=partial(sweep.on_iteration, aim),
             )
             spent += outcome.cost
             if outcome.converged:
-                before, (at, u) = (at, u), (aim, outcome.u_m)
-                size = min(options.largest_step, size * _GROWTH) if step >= size else size
+                at, u = aim, outcome.u_m
+                size = _next_size(size, step, outcome.iterations, options)
                 made = Step(parameter=at, u_m=u, iterations=outcome.iterations, residual=outcome.residual, cost=spent)
                 sweep.on_step(made)
                 continue
             size = 0.5 * step
             if size < options.min_step * span:
-                solver.close()
+                work.close()
                 return replace(outcome, u_m=u, iterations=spent.newton_iterations, cost=spent)
         on_target(target, reached.get(target, u))
-    solver.close()
+    work.close()
     return replace(outcome, u_m=u, iterations=spent.newton_iterations, cost=spent)
 
 
-def _extrapolated(before: tuple[float, F64], now: tuple[float, F64], step: float, contact: Contact | None) -> F64:
-    """Return the linear extrapolation of the last two states, stopped where surfaces would meet."""
-    (at_before, u_before), (at, u) = before, now
-    way = (u - u_before) * step / (at - at_before)
-    if contact is not None:
-        way = BOUND_SHARE * contact.step_bound(u, u + way) * way
-    return np.asarray(u + way)
+def _next_size(size: float, step: float, iterations: int, options: NewtonOptions) -> float:
+    """Return the next load step's size; one cut short to meet a target says nothing of the size."""
+    if iterations > _HARD:
+        return _SHRINKAGE * step
+    if iterations <= _EASY and step >= size:
+        return min(options.largest_step, _GROWTH * size)
+    return size

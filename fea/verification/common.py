@@ -9,11 +9,11 @@ from fea.assembly import Load, SolidModel
 from fea.cavity import Cavity
 from fea.lattice import SolidMesh
 from fea.laws import Law
-from fea.linear_solver import SymmetricSolver
 from fea.meshes import linear_mesh
 from fea.mixed import MixedModel
 from fea.newton import NewtonOptions, solve_equilibrium
 from fea.path import follow
+from fea.workspace import workspace
 
 FORMULATIONS = ("P1", "P2/P0", "P2/P1")
 
@@ -79,7 +79,7 @@ class Problem:
             steps = [(k + 1.0) / len(loads) for k in range(len(loads))]
             outcome = follow(model, lambda s: _between(loads, s), steps, options, on_target=lambda *_: None)
         else:
-            outcome = solve_equilibrium(model, start, loads[-1], options, SymmetricSolver())
+            outcome = solve_equilibrium(workspace(model), start, loads[-1], options)
         if not outcome.converged:
             raise RuntimeError(f"{formulation}: no equilibrium, {outcome.status.value}")
         return outcome.u_m, len(model.free), mesh

@@ -7,11 +7,11 @@ mu = (0.63, 0.0012, -0.01) MPa, alpha = (1.3, 5, -2). Nominal stress of the inco
 import numpy as np
 
 from fea.assembly import Load, SolidModel
-from fea.linear_solver import SymmetricSolver
 from fea.meshes import rectangle, sweep
 from fea.newton import NewtonOptions, solve_equilibrium
 from fea.rubber import ogden
 from fea.verification.common import Row, symmetry_planes
+from fea.workspace import workspace
 
 MU_PA, ALPHA = (0.63e6, 0.0012e6, -0.01e6), (1.3, 5.0, -2.0)
 
@@ -28,17 +28,17 @@ def treloar(mode: str, stretch: float) -> Row:
     for axis in pulled:
         fixed[X[:, axis] == 1.0, axis] = True
     model = SolidModel(mesh=mesh, laws={0: law}, fixed=fixed)
-    options, solver = NewtonOptions(relative_tolerance=1e-8, step_cap_m=0.3, max_iterations=40), SymmetricSolver()
+    options, work = NewtonOptions(relative_tolerance=1e-8, step_cap_m=0.3, max_iterations=40), workspace(model)
     stretches = np.full(3, stretch**across)
     stretches[pulled] = stretch
     # the incompressible shape is known; what the solve adds is its small change of volume, and the forces
-    outcome = solve_equilibrium(model, X * (stretches - 1.0), Load(), options, solver)
+    outcome = solve_equilibrium(work, X * (stretches - 1.0), Load(), options)
     if not outcome.converged:
         raise RuntimeError(f"Treloar {mode}: {outcome.status.value} at {stretch:g}")
     u = outcome.u_m
     state = model.evaluate(u, Load(), tangent=False)
     assert state is not None
-    solver.close()
+    work.close()
     exact = sum(m * (stretch ** (a - 1.0) - stretch ** (across * a - 1.0)) for m, a in zip(MU_PA, ALPHA, strict=True))
     return Row(
         problem=f"Treloar's rubber, {mode}",

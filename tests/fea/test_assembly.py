@@ -9,6 +9,7 @@ from fea.laws import IsochoricOgden, StVenantKirchhoff
 from fea.linear_solver import SymmetricSolver
 from fea.newton import NewtonOptions, Status, solve_equilibrium
 from fea.path import follow
+from fea.workspace import workspace
 
 SOFT = IsochoricOgden(coefficients_pa=(1.0667e5, 11.25, 609.0), exponents=(1.05, 4.0, -1.6), bulk_modulus_pa=3e7)
 STIFF = StVenantKirchhoff(young_modulus_pa=2.76e6, poisson_ratio=0.417)
@@ -83,9 +84,8 @@ def test_patch_of_curved_elements_carries_a_uniform_strain():
     gradient = np.array([[0.10, 0.05, 0.0], [-0.03, -0.06, 0.02], [0.04, 0.0, 0.03]])
     exact = mesh.points_m @ gradient.T
     start = np.where(fixed, exact, exact + 1e-3 * np.random.default_rng(0).standard_normal(exact.shape))
-    outcome = solve_equilibrium(
-        model, start, Load(), NewtonOptions(step_cap_m=1.0, relative_tolerance=1e-9), SymmetricSolver()
-    )
+    options = NewtonOptions(step_cap_m=1.0, relative_tolerance=1e-9)
+    outcome = solve_equilibrium(workspace(model), start, Load(), options)
     assert outcome.converged
     np.testing.assert_allclose(outcome.u_m, exact, atol=1e-8)
 

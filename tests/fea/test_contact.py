@@ -7,8 +7,8 @@ from fea.assembly import Load, SolidModel
 from fea.contact import ContactOptions, SurfaceContact
 from fea.lattice import Lattice, build_mesh, free_faces, symmetry_nodes
 from fea.laws import StVenantKirchhoff
-from fea.linear_solver import SymmetricSolver
 from fea.newton import NewtonOptions, Status, solve_equilibrium
+from fea.workspace import workspace
 
 RADIUS, HEIGHT, GAP = 4e-3, 3e-3, 0.15e-3
 YOUNG = 1e6
@@ -58,7 +58,7 @@ def blocks() -> Blocks:
 def test_pressed_blocks_transmit_the_force_of_uniaxial_compression(blocks):
     start = blocks.shifted(0.12e-3)
     options = NewtonOptions(relative_tolerance=1e-9, max_iterations=40)
-    outcome = solve_equilibrium(blocks.model, start, Load(), options, SymmetricSolver(), contact=blocks.contact)
+    outcome = solve_equilibrium(workspace(blocks.model), start, Load(), options, contact=blocks.contact)
     assert outcome.status is Status.CONVERGED
     reaction = blocks.model.evaluate(outcome.u_m, Load(), tangent=False).reaction_n
     push = blocks.contact.evaluate(outcome.u_m).force_n
