@@ -20,11 +20,11 @@ import numpy as np
 from skfem import Basis, BilinearForm, ElementTetP2, ElementVector
 
 from fea.arrays import F64
-from fea.assembly import Load, SolidModel, cofactor_derivative
+from fea.assembly import Load, SolidModel
 from fea.laws import Law
 from fea.linear_solver import SymmetricSolver, solver_name
 from fea.meshes import rectangle, sweep
-from fea.rubber import ClosedNeoHookean, neo_hookean
+from fea.rubber import ClosedNeoHookean, PointwiseVolume
 from scripts import _cli
 
 EXAMPLES = """examples:
@@ -34,28 +34,6 @@ EXAMPLES = """examples:
 
 SHEAR_MODULUS_PA = 1e5
 BASE = "batched forces and tangent (P2/P0)"
-
-
-class PlainVolume:
-    """A law with kappa/2 (J - 1)^2 at each point: what the other codes integrate."""
-
-    bulk_modulus_pa = 0.0
-
-    def __init__(self, law: Law, kappa_pa: float) -> None:
-        self.law, self.kappa_pa = law, kappa_pa
-
-    def energy(self, F: F64) -> F64:
-        """Return W [J/m^3], shape [...]."""
-        return np.asarray(self.law.energy(F) + 0.5 * self.kappa_pa * (np.linalg.det(F) - 1.0) ** 2)
-
-    def stress_and_tangent(self, F: F64) -> tuple[F64, F64]:
-        """Return P and A."""
-        P, A = self.law.stress_and_tangent(F)
-        J = np.linalg.det(F)
-        g = J[..., None, None] * np.swapaxes(np.linalg.inv(F), -1, -2)
-        p = self.kappa_pa * (J - 1.0)
-        A = A + self.kappa_pa * g[..., :, :, None, None] * g[..., None, None, :, :]
-        return P + p[..., None, None] * g, A + p[..., None, None, None, None] * cofactor_derivative(F)
 
 
 def cube(cells: int, law: Law) -> SolidModel:
