@@ -60,7 +60,15 @@ class CompiledLaw:
 
         def work(start: int, stop: int) -> bool:
             return element_batch(
-                self.kind, self.parameters, u_m, elements, members[start:stop], *shapes, upper is not None, force, target
+                self.kind,
+                self.parameters,
+                u_m,
+                elements,
+                members[start:stop],
+                *shapes,
+                upper is not None,
+                force,
+                target,
             )
 
         return in_ranges(work, len(members), _ELEMENTS)

@@ -137,7 +137,9 @@ def _add_stiffness(gradients: F64, e: int, q: int, w: float, A: F64, inner: F64,
             for i in range(3):
                 for j in range(3):
                     row, column = 3 * i + J, 3 * j
-                    inner[J, 9 * b + 3 * i + j] = A[row, column] * g0 + A[row, column + 1] * g1 + A[row, column + 2] * g2
+                    inner[J, 9 * b + 3 * i + j] = (
+                        A[row, column] * g0 + A[row, column + 1] * g1 + A[row, column + 2] * g2
+                    )
     for a in range(m):
         g0, g1, g2 = w * gradients[e, q, a, 0], w * gradients[e, q, a, 1], w * gradients[e, q, a, 2]
         for k in range(9 * a, 9 * m):
@@ -250,7 +252,9 @@ def _ogden(parameters: F64, F: F64, tangent: bool, P: F64, A: F64, work: F64) ->
             )
     for J in range(3):
         for L in range(3):
-            stress = S[0] * N[3 * J] * N[3 * L] + S[1] * N[3 * J + 1] * N[3 * L + 1] + S[2] * N[3 * J + 2] * N[3 * L + 2]
+            stress = (
+                S[0] * N[3 * J] * N[3 * L] + S[1] * N[3 * J + 1] * N[3 * L + 1] + S[2] * N[3 * J + 2] * N[3 * L + 2]
+            )
             for i in range(3):
                 A[3 * i + J, 3 * i + L] += stress
 
