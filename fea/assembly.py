@@ -177,7 +177,7 @@ class SolidModel:
         return True
 
     def _build_pattern(self, number: I64) -> None:
-        """Number the upper triangle once: element entries first, then those of cavity faces."""
+        """Build the upper triangle's numbering once: element entries first, then those of cavity faces."""
         n = len(self.mesh.elements)
         places = (3 * self.mesh.elements[:, :, None] + np.arange(3)).reshape(n, -1)
         self._nodal = Gather.of(places.ravel())

@@ -71,7 +71,7 @@ class Cavity:
         local = 0.5 * (hessian @ nodes[:, :, None])  # Euler's theorem for a homogeneous cubic
         places = (3 * self.faces[:, :, None] + np.arange(3)).ravel()
         gradient = np.bincount(places, weights=local.ravel(), minlength=3 * self.n_nodes)
-        return gradient.reshape(-1, 3), hessian
+        return np.asarray(gradient, dtype=np.float64).reshape(-1, 3), hessian
 
     def _hessian(self, nodes: F64) -> F64:
         """Return Hessians [n, 18, 18] of faces with nodes [n, 6, 3], from those of the integrand's three factors."""

@@ -78,19 +78,19 @@ def compiled_law(law: Law) -> CompiledLaw | None:
     """Return the law for the kernels (numba must be installed), or None for a type they do not know."""
     from fea import kernels  # noqa: PLC0415 - optional dependency
 
-    point_bulk = 0.0
+    inner, point_bulk = law, 0.0
     if type(law) is PointwiseVolume:
-        law, point_bulk = law.law, law.point_bulk_modulus_pa
-    kind, own = -1, tuple[float, ...]()
-    if type(law) is IsochoricOgden:
-        kind, own = kernels.OGDEN, (*law.coefficients_pa, *law.exponents)
-    elif type(law) is StVenantKirchhoff:
-        kind, own = kernels.ST_VENANT_KIRCHHOFF, (law.lame_pa, law.shear_modulus_pa)
-    elif type(law) is ClosedNeoHookean:
-        kind, own = kernels.NEO_HOOKEAN, (law.shear_modulus_pa,)
+        inner, point_bulk = law.law, law.point_bulk_modulus_pa
+    own: tuple[float, ...]
+    if type(inner) is IsochoricOgden:
+        kind, own = kernels.OGDEN, (*inner.coefficients_pa, *inner.exponents)
+    elif type(inner) is StVenantKirchhoff:
+        kind, own = kernels.ST_VENANT_KIRCHHOFF, (inner.lame_pa, inner.shear_modulus_pa)
+    elif type(inner) is ClosedNeoHookean:
+        kind, own = kernels.NEO_HOOKEAN, (inner.shear_modulus_pa,)
     else:
         return None
-    return CompiledLaw(kind=kind, parameters=np.array([law.bulk_modulus_pa, point_bulk, *own]))
+    return CompiledLaw(kind=kind, parameters=np.array([inner.bulk_modulus_pa, point_bulk, *own]))
 
 
 def in_ranges(work: Callable[[int, int], bool], count: int, size: int) -> bool:

@@ -6,9 +6,8 @@ Each sum runs in one fixed order, so results depend neither on chunks of element
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-from fea.arrays import F64, I64
+from fea.arrays import F64, I32, I64
 from fea.compiled import in_ranges
 
 _PLACES = 50_000  # places a task
@@ -29,7 +28,7 @@ class Gather:
     """
 
     places: I64
-    order: npt.NDArray[np.int32]
+    order: I32
     pointer: I64
 
     @classmethod

@@ -124,8 +124,8 @@ def measure(cells: int, repetitions: int) -> dict[str, Any]:
     plain = plain_form(model, law, u)
     differences = {"BilinearForm": _agreement(model, plain(), tangent)}
     if importlib.util.find_spec("felupe") is not None:
-        works[FELUPE] = felupe_form(model, kappa, u)
-        differences["felupe"] = _difference(model, works[FELUPE]()[1], np.arange(u.size), tangent)
+        works[FELUPE] = felupe = felupe_form(model, kappa, u)
+        differences["felupe"] = _difference(model, felupe()[1], np.arange(u.size), tangent)
     seconds = fastest(works, repetitions) | fastest({"BilinearForm, tangent": plain}, 1)
     solver.close()
     return {
