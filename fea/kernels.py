@@ -150,8 +150,10 @@ def _add_stiffness(gradients: F64, w: float, A: F64, work: F64, inner: F64, K: F
                 inner[J, 9 * b + k] = work[3 * J, k] * g0 + work[3 * J + 1, k] * g1 + work[3 * J + 2, k] * g2
     for a in range(m):
         g0, g1, g2 = w * gradients[a, 0], w * gradients[a, 1], w * gradients[a, 2]
-        for k in range(9 * a, 9 * m):
-            K[a, k] += g0 * inner[0, k] + g1 * inner[1, k] + g2 * inner[2, k]
+        # views that start at 0: the compiler sees indices that cannot be negative and uses vector instructions
+        row, i0, i1, i2 = K[a, 9 * a :], inner[0, 9 * a :], inner[1, 9 * a :], inner[2, 9 * a :]
+        for k in range(row.shape[0]):
+            row[k] += g0 * i0[k] + g1 * i1[k] + g2 * i2[k]
 
 
 @_compiled
