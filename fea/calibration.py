@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 
 from fea.actuator import RING, ActuatorResult, actuator_model, analyse_actuator
-from fea.compiled import kernel_name
 from fea.density import Density
 from fea.exoskeleton import LOADS_N, ExoskeletonResult, analyse_exoskeleton, exoskeleton_model
 from fea.geometry import JOINT_NAMES, FingerGeometry, choices
@@ -248,7 +247,6 @@ def _provenance(c: Calibration) -> dict[str, Any]:
         "mesh": {"actuator": asdict(c.density.actuator), "exoskeleton": asdict(c.density.exoskeleton)},
         "element": "10-node tetrahedron, four points, element-mean dilatation (P2/P0), curved edges",
         "linear_solver": solver_name(),
-        "element_kernels": kernel_name(),
         "versions": {name: version(name) for name in ("softhand-sim", "scikit-fem", "numpy", "scipy")},
         "materials": {
             m.name: {"set": m.parameter_set, "source": m.source, "parameters": dict(m.parameters)}
