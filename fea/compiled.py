@@ -9,6 +9,7 @@ import importlib.util
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from fea.arrays import F64, I64
 from fea.laws import IsochoricOgden, Law, StVenantKirchhoff
 from fea.rubber import ClosedNeoHookean, PointwiseVolume
 
+_LAYOUT: tuple[Literal["C", "W"], ...] = ("C", "W")
 _ELEMENTS = 256  # elements a task: some milliseconds, many tasks a thread so that none waits long for another
 
 
@@ -57,6 +59,8 @@ class CompiledLaw:
         from fea.kernels import element_batch  # noqa: PLC0415 - optional dependency
 
         target = np.empty((0, 0)) if upper is None else upper
+        # one layout, hence one compilation: elements come transposed from scikit-fem
+        u_m, elements = np.require(u_m, np.float64, _LAYOUT), np.require(elements, np.int64, _LAYOUT)
 
         def work(start: int, stop: int) -> bool:
             return element_batch(
