@@ -15,8 +15,10 @@ from skfem import Basis, ElementTetP1, ElementTetP2
 
 from fea.arrays import F64, I64
 from fea.cavity import Cavity
+from fea.compiled import compiled_law, kernel_name
+from fea.gather import Gather
 from fea.lattice import SolidMesh
-from fea.laws import Law
+from fea.laws import Law, cofactor_derivative
 
 _CHUNK = 1024  # elements per batch: keeps the batches in the processor's cache
 
@@ -80,6 +82,8 @@ class SolidModel:
         Pressurised surface.
     quadrature_order : int
         Order of the rule in 10-node elements (2: four points, the usual one). Linear ones need one point.
+    compiled : bool
+        False: everything in NumPy, the reference of the compiled kernels (:mod:`fea.compiled`).
     """
 
     def __init__(
@@ -90,6 +94,7 @@ class SolidModel:
         fixed: np.ndarray,
         cavity: Cavity | None = None,
         quadrature_order: int = 2,
+        compiled: bool = True,
     ) -> None:
         missing = set(np.unique(mesh.material)) - set(laws)
         if missing:
@@ -98,6 +103,7 @@ class SolidModel:
         self.laws = laws
         self.cavity = cavity
         self.gradients, self.weights = element_gradients(mesh, quadrature_order if mesh.elements.shape[1] == 10 else 1)
+        self._compiled = compiled and kernel_name() == "numba"
         self.free: I64 = np.flatnonzero(~fixed.ravel())
         number = np.full(fixed.size, -1, dtype=np.int64)
         number[self.free] = np.arange(len(self.free))
@@ -105,26 +111,26 @@ class SolidModel:
 
     def evaluate(self, u_m: F64, load: Load, *, tangent: bool = True) -> Evaluation | None:
         """Return forces and tangent at u [n_nodes, 3], or None if an element is inverted (det F <= 0)."""
-        internal = np.zeros((len(self.mesh.points_m), 3))
-        parts: list[tuple[I64, F64]] = []
+        n, m = self.mesh.elements.shape
+        size = 3 * m * (3 * m + 1) // 2
+        force, entries = np.empty((n, m, 3)), np.empty(self._n_entries if tangent else 0)
+        upper = entries[: n * size].reshape(n, size) if tangent else None
         for index, law in self.laws.items():
-            members = np.flatnonzero(self.mesh.material == index)
-            for start in range(0, len(members), _CHUNK):
-                chunk = members[start : start + _CHUNK]
-                nodes = self.mesh.elements[chunk]
-                result = element_forces(law, u_m[nodes], self.gradients[chunk], self.weights[chunk])
-                if result is None:
-                    return None
-                force, stiffness = result
-                np.add.at(internal, nodes, force)
-                parts.append((chunk, stiffness))
+            if not self._fill(law, np.flatnonzero(self.mesh.material == index), u_m, force, upper):
+                return None
+        internal = np.zeros((len(self.mesh.points_m), 3))
+        internal.reshape(-1)[self._nodal.places] = self._nodal.sum(force.reshape(-1), compiled=self._compiled)
         external = np.zeros_like(internal) if load.force_n is None else load.force_n.copy()
-        cavity_matrix: F64 | None = None
         if self.cavity is not None:
             gradient, hessian = self.cavity.derivatives(self.mesh.points_m + u_m)
             external += load.pressure_pa_gauge * gradient
-            cavity_matrix = -load.pressure_pa_gauge * hessian
-        matrix = self._scatter(parts, cavity_matrix) if tangent else None
+            if tangent:
+                r, c = np.triu_indices(hessian.shape[1])
+                entries[n * size :] = (-load.pressure_pa_gauge * hessian[:, r, c]).ravel()
+        matrix: sp.csr_array | None = None
+        if tangent:
+            data = self._matrix.sum(entries, compiled=self._compiled)
+            matrix = sp.csr_array((data, *self._structure), shape=(len(self.free), len(self.free)))
         return Evaluation(
             internal_n=internal.ravel()[self.free],
             external_n=external.ravel()[self.free],
@@ -174,12 +180,29 @@ class SolidModel:
         np.add.at(force, self.mesh.elements, lumped[:, :, None] * acceleration_m_s2)
         return force
 
+    def _fill(self, law: Law, members: I64, u_m: F64, force: F64, upper: F64 | None) -> bool:
+        """Fill the members' rows of forces and upper triangles; False where an element is inverted."""
+        elements = self.mesh.elements
+        kernel = compiled_law(law) if self._compiled else None
+        if kernel is not None:
+            return kernel.fill(u_m, elements, members, (self.gradients, self.weights), force, upper)
+        for start in range(0, len(members), _CHUNK):
+            chunk = members[start : start + _CHUNK]
+            result = element_forces(law, u_m[elements[chunk]], self.gradients[chunk], self.weights[chunk])
+            if result is None:
+                return False
+            force[chunk] = result[0]
+            if upper is not None:
+                upper[chunk] = result[1]
+        return True
+
     def _build_pattern(self, number: I64) -> None:
         """Build the upper triangle's numbering once: element entries first, then those of cavity faces."""
         n = len(self.mesh.elements)
-        dofs = number[(3 * self.mesh.elements[:, :, None] + np.arange(3)).reshape(n, -1)]
+        places = (3 * self.mesh.elements[:, :, None] + np.arange(3)).reshape(n, -1)
+        self._nodal = Gather.of(places.ravel())
+        dofs = number[places]
         r, c = np.triu_indices(dofs.shape[1])
-        self._per_element = len(r)
         rows, columns = [dofs[:, r].ravel()], [dofs[:, c].ravel()]
         if self.cavity is not None:
             face = number[(3 * self.cavity.faces[:, :, None] + np.arange(3)).reshape(len(self.cavity.faces), -1)]
@@ -189,27 +212,10 @@ class SolidModel:
         row, column = np.concatenate(rows), np.concatenate(columns)
         low, high = np.minimum(row, column), np.maximum(row, column)
         size = len(self.free)
-        keys = np.where(low >= 0, low * size + high, np.int64(size) * size)
-        unique, inverse = np.unique(keys, return_inverse=True)
-        if unique[-1] == np.int64(size) * size:
-            unique = unique[:-1]
-        self._slots = inverse  # the last slot swallows entries of fixed degrees of freedom
-        self._n_entries = len(unique)
-        pointer = np.searchsorted(unique, np.arange(size + 1) * np.int64(size))
-        self._structure = (unique % size, pointer)
-
-    def _scatter(self, parts: list[tuple[I64, F64]], cavity_matrix: F64 | None) -> sp.csr_array:
-        values = np.empty(len(self._slots))
-        n, size = len(self.mesh.elements), self._per_element
-        by_element = values[: n * size].reshape(n, size)
-        for chunk, stiffness in parts:
-            by_element[chunk] = stiffness
-        if cavity_matrix is not None:
-            r, c = np.triu_indices(cavity_matrix.shape[1])
-            values[n * size :] = cavity_matrix[:, r, c].ravel()
-        data = np.bincount(self._slots, weights=values, minlength=self._n_entries)[: self._n_entries]
-        size = len(self.free)
-        return sp.csr_array((data, *self._structure), shape=(size, size))
+        self._n_entries = len(low)
+        self._matrix = Gather.of(np.where(low >= 0, low * size + high, -1))
+        pointer = np.searchsorted(self._matrix.places, np.arange(size + 1) * np.int64(size))
+        self._structure = (self._matrix.places % size, pointer)
 
 
 def element_gradients(mesh: SolidMesh, order: int) -> tuple[F64, F64]:
@@ -226,7 +232,7 @@ def element_gradients(mesh: SolidMesh, order: int) -> tuple[F64, F64]:
     jacobian = np.linalg.det(np.asarray(basis.mapping.DF(basis.X)).transpose(2, 3, 0, 1))
     if not (np.abs(np.sign(jacobian).sum(axis=1)) == jacobian.shape[1]).all():
         raise ValueError("mesh: an undeformed element is inverted")
-    return np.ascontiguousarray(gradients), np.asarray(basis.dx)
+    return np.ascontiguousarray(gradients), np.ascontiguousarray(basis.dx)
 
 
 def element_shapes(n_points: int, n_nodes: int = 10) -> F64:
@@ -287,15 +293,3 @@ def element_forces(law: Law, u_m: F64, gradients: F64, weights: F64) -> tuple[F6
     if rank_one is not None:
         upper += rank_one[:, row] * rank_one[:, column]
     return force, upper
-
-
-def cofactor_derivative(F: F64) -> F64:
-    """Return d2 det(F) / dF_iJ dF_jL = eps_ijk eps_JLM F_kM, shape [..., 3, 3, 3, 3]."""
-    H = np.zeros((*F.shape[:-2], 3, 3, 3, 3))
-    for i, j, k, s in _PERMUTATIONS:
-        for J, L, M, t in _PERMUTATIONS:
-            H[..., i, J, j, L] += s * t * F[..., k, M]
-    return H
-
-
-_PERMUTATIONS = ((0, 1, 2, 1), (1, 2, 0, 1), (2, 0, 1, 1), (0, 2, 1, -1), (2, 1, 0, -1), (1, 0, 2, -1))

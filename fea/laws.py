@@ -163,3 +163,15 @@ def _tanhc(x: F64) -> F64:
     small = np.abs(x) < 1e-4
     safe = np.where(small, 1.0, x)
     return np.where(small, 1.0 - x * x / 3.0, np.tanh(safe) / safe)
+
+
+def cofactor_derivative(F: F64) -> F64:
+    """Return d2 det(F) / dF_iJ dF_jL = eps_ijk eps_JLM F_kM, shape [..., 3, 3, 3, 3]."""
+    H = np.zeros((*F.shape[:-2], 3, 3, 3, 3))
+    for i, j, k, s in _PERMUTATIONS:
+        for J, L, M, t in _PERMUTATIONS:
+            H[..., i, J, j, L] += s * t * F[..., k, M]
+    return H
+
+
+_PERMUTATIONS = ((0, 1, 2, 1), (1, 2, 0, 1), (2, 0, 1, 1), (0, 2, 1, -1), (2, 1, 0, -1), (1, 0, 2, -1))

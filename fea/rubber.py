@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fea.arrays import F64
-from fea.laws import IsochoricOgden
+from fea.laws import IsochoricOgden, Law, cofactor_derivative
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,6 +39,35 @@ class ClosedNeoHookean:
         diagonal = np.arange(9)
         A.reshape(*shape, 9, 9)[..., diagonal, diagonal] += m[..., 0]
         return P, A
+
+
+@dataclass(frozen=True, kw_only=True)
+class PointwiseVolume:
+    """A law plus kappa/2 (J - 1)^2 at each point: compressible rubber, and what most codes integrate.
+
+    It locks in the near-incompressible range, where the element-mean energy of ``bulk_modulus_pa`` does not.
+    """
+
+    law: Law
+    point_bulk_modulus_pa: float
+
+    @property
+    def bulk_modulus_pa(self) -> float:
+        """The law's own modulus of the element-mean energy [Pa]."""
+        return self.law.bulk_modulus_pa
+
+    def energy(self, F: F64) -> F64:
+        """Return W [J/m^3], shape [...]."""
+        return np.asarray(self.law.energy(F) + 0.5 * self.point_bulk_modulus_pa * (np.linalg.det(F) - 1.0) ** 2)
+
+    def stress_and_tangent(self, F: F64) -> tuple[F64, F64]:
+        """Return P and A, with g = dJ/dF: p = kappa (J - 1) adds p g and kappa g x g + p dg/dF."""
+        P, A = self.law.stress_and_tangent(F)
+        J = np.linalg.det(F)
+        g = J[..., None, None] * np.swapaxes(np.linalg.inv(F), -1, -2)
+        p = self.point_bulk_modulus_pa * (J - 1.0)
+        A = A + self.point_bulk_modulus_pa * g[..., :, :, None, None] * g[..., None, None, :, :]
+        return P + p[..., None, None] * g, A + p[..., None, None, None, None] * cofactor_derivative(F)
 
 
 def neo_hookean(shear_modulus_pa: float, bulk_modulus_pa: float = 0.0) -> IsochoricOgden:

@@ -10,6 +10,7 @@ from fea.actuator import SILICONE, actuator_model, analyse_actuator
 from fea.arrays import F64
 from fea.assembly import SolidModel
 from fea.checkpoint import code_version
+from fea.compiled import kernel_name
 from fea.density import Density
 from fea.exoskeleton import analyse_exoskeleton, exoskeleton_model
 from fea.fields import node_strain, point_positions, von_mises_fields
@@ -58,6 +59,7 @@ class Setup:
             "density": self.density.name,
             "rings": self.rings,
             "linear_solver": solver_name(),
+            "element_kernels": kernel_name(),
             "code_sha256": code_version(),
         }
 
