@@ -90,7 +90,7 @@ class NewtonOptions:
     max_iterations : int
         Iterations of one load step.
     min_step : float
-        Smallest fraction of a requested load step before giving up.
+        Smallest step before giving up, as a fraction of the way between two targets or the largest step.
     first_step, largest_step : float
         Size of the first load step and the size that none exceeds (in the load's parameter).
     """

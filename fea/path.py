@@ -111,7 +111,7 @@ def follow(
                 sweep.on_step(made)
                 continue
             size = 0.5 * step
-            if size < options.min_step * span:
+            if size < options.min_step * min(span, options.largest_step):
                 work.close()
                 return replace(outcome, u_m=u, iterations=spent.newton_iterations, cost=spent)
         on_target(target, reached.get(target, u))

@@ -14,36 +14,38 @@ class GrowingPattern:
     """
 
     def __init__(self) -> None:
-        self._keys: I64 = np.empty(0, dtype=np.int64)
-        self._solid_places: I64 = np.empty(0, dtype=np.int64)
-        self._structure: tuple[I64, I64] | None = None
+        self._keys: I64 | None = None
+        self._is_solid = np.empty(0, dtype=bool)
 
     def add(self, solid: sp.csr_array, contact: sp.csr_array) -> sp.csr_array:
         """Return the sum on the smallest pattern that holds everything seen so far."""
-        extra, values = _keys(contact), contact.data
-        if self._structure is None:
-            self._grow(_keys(solid), extra, solid.shape[0])
-        elif not self._holds(extra):
-            self._grow(self._keys[self._solid_places], np.concatenate([self._keys, extra]), solid.shape[0])
+        if self._keys is None:
+            self._keys = _keys(solid)
+            self._is_solid = np.ones(len(self._keys), dtype=bool)
+            self._number(solid.shape[0])
+        extra = _keys(contact)
+        place = np.searchsorted(self._keys, extra)
+        known = self._keys[np.minimum(place, len(self._keys) - 1)] == extra
+        if not known.all():
+            self._keys = np.insert(self._keys, place[~known], extra[~known])
+            self._is_solid = np.insert(self._is_solid, place[~known], False)
+            self._number(solid.shape[0])
+            place = np.searchsorted(self._keys, extra)
         data: F64 = np.zeros(len(self._keys))
-        data[self._solid_places] = solid.data
-        data[np.searchsorted(self._keys, extra)] += values
-        assert self._structure is not None
+        data[self._is_solid] = solid.data
+        data[place] += contact.data
         return sp.csr_array((data, *self._structure), shape=solid.shape)
 
-    def _holds(self, keys: I64) -> bool:
-        place = np.minimum(np.searchsorted(self._keys, keys), len(self._keys) - 1)
-        return bool((self._keys[place] == keys).all())
-
-    def _grow(self, solid: I64, extra: I64, size: int) -> None:
-        self._keys = np.union1d(solid, extra)
-        self._solid_places = np.searchsorted(self._keys, solid)
-        pointer = np.searchsorted(self._keys, np.arange(size + 1) * np.int64(size))
-        self._structure = ((self._keys % size).astype(np.int32), pointer.astype(np.int32))
+    def _number(self, size: int) -> None:
+        assert self._keys is not None
+        row, column = np.divmod(self._keys, size)
+        pointer = np.concatenate([[0], np.cumsum(np.bincount(row, minlength=size))])
+        self._structure = (column.astype(np.int32), pointer.astype(np.int32))
 
 
 def _keys(matrix: sp.csr_array) -> I64:
-    """Return row * n + column of the stored entries."""
+    """Return row * n + column of the stored entries, increasing."""
     size = matrix.shape[0]
+    matrix.sum_duplicates()
     row = np.repeat(np.arange(size, dtype=np.int64), np.diff(matrix.indptr))
     return np.asarray(row * size + matrix.indices)
