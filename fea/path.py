@@ -9,8 +9,9 @@ import numpy as np
 from fea.arrays import F64
 from fea.assembly import Load, SolidModel
 from fea.cost import NO_COST, Cost
+from fea.friction import advance, begin, solve_step
 from fea.linear_solver import SymmetricSolver
-from fea.newton import BOUND_SHARE, Contact, NewtonOptions, Outcome, Status, solve_equilibrium
+from fea.newton import BOUND_SHARE, Contact, NewtonOptions, Outcome, Status
 
 _GROWTH = 1.15
 """Choice: growth of a load step that worked after one that failed; doubling failed again every second time."""
@@ -87,6 +88,9 @@ def follow(
     before, (at, u) = (states[-2] if len(states) > 1 else None), states[-1]
     spent = sweep.resume[-1].cost if sweep.resume else NO_COST
     reached = dict(states)
+    contact = begin(contact, zero)
+    for made in sweep.resume:
+        contact = advance(contact, made.u_m)
     solver = SymmetricSolver()
     outcome = Outcome(status=Status.CONVERGED, u_m=u, iterations=0, residual=0.0)
     start, size = 0.0, options.largest_step
@@ -98,7 +102,7 @@ def follow(
             guess = u
             if extrapolate and before is not None:
                 guess = _extrapolated(before, (at, u), step, contact)
-            outcome = solve_equilibrium(
+            outcome = solve_step(
                 model,
                 guess,
                 load_at(aim),
@@ -110,6 +114,7 @@ def follow(
             spent += outcome.cost
             if outcome.converged:
                 before, (at, u) = (at, u), (aim, outcome.u_m)
+                contact = advance(contact, u)
                 size = min(options.largest_step, size * _GROWTH) if step >= size else size
                 made = Step(parameter=at, u_m=u, iterations=outcome.iterations, residual=outcome.residual, cost=spent)
                 sweep.on_step(made)
