@@ -92,6 +92,8 @@ class SurfaceContact:
         jitter = np.random.default_rng(0).uniform(-_JITTER_MM, _JITTER_MM, (len(self.nodes), 3))
         self._rest = mesh.points_m[self.nodes] * _MM + jitter
         self._n_nodes = len(mesh.points_m)
+        self._first: I64 = local[first]
+        self._facet_area_m2 = _facet_areas(mesh.points_m[first])
         rest = np.asfortranarray(self._rest)
         self._mesh = self._ipc.CollisionMesh(rest, self._ipc.edges(np.asfortranarray(faces)), np.asfortranarray(faces))
         self._mesh.can_collide = self._ipc.make_vertex_patches_filter(on_first.astype(np.int32))
@@ -127,7 +129,7 @@ class SurfaceContact:
         """Return friction's forces and Hessian for nodal displacements since the anchor [n_nodes, 3].
 
         The magnitude on a pair is mu N f(s / length), f(y) = 2 y - y^2 below y = 1 and 1 above (Li et al. 2020,
-        eq. 13); Hessian at constant N and tangent plane, which makes it symmetric.
+        section 5); Hessian at constant N and tangent plane, which makes it symmetric.
         """
         potential = self._ipc.FrictionPotential(length_m * _MM)
         slip = np.asfortranarray(slip_m[self.nodes] * _MM)
@@ -143,13 +145,16 @@ class SurfaceContact:
         return self._nodal(-potential.gradient(pairs, self._mesh, np.asfortranarray(slip_m[self.nodes] * _MM)))
 
     def contact_pressure_pa(self, u_m: F64) -> F64:
-        """Return the normal contact pressure on ``first_nodes`` [n_first]: the barrier's force over the node's area.
+        """Return the normal contact pressure on ``first_nodes`` [n_first], over undeformed areas.
 
-        The area is the undeformed one, a third of that of the facets around the node.
+        First each six-node face gets its share of its nodes' forces over its area, then each node the mean of its
+        faces: on quadratic elements a uniform pressure gives no force at vertices, so single nodes would tell nothing.
         """
-        force = self.evaluate(u_m).force_n[self.first_nodes]
-        area = np.asarray(self._mesh.vertex_areas)[: len(self.first_nodes)] / _MM**2
-        return np.asarray(np.linalg.norm(force, axis=1) / area)
+        force = np.linalg.norm(self.evaluate(u_m).force_n[self.first_nodes], axis=1)
+        share, n = self._facet_area_m2, len(force)  # [n_faces, 6]
+        area = np.bincount(self._first.ravel(), share.ravel(), minlength=n)
+        face = (force[self._first] * share / area[self._first]).sum(axis=1) / share.sum(axis=1)
+        return np.asarray(np.bincount(self._first.ravel(), (share * face[:, None]).ravel(), minlength=n) / area)
 
     def step_bound(self, u_m: F64, trial_m: F64) -> float:
         """Return the collision-free fraction of the straight way from u to the trial (additive CCD, Li et al. 2021)."""
@@ -174,9 +179,17 @@ class SurfaceContact:
     def _collisions(self, x: F64, distance: float | None = None) -> Any:
         collisions = self._ipc.NormalCollisions()
         collisions.use_area_weighting = True
-        if self.options.count_once:
-            collisions.collision_set_type = collisions.IMPROVED_MAX_APPROX
-        collisions.build(self._mesh, x, distance or self._distance, 0.0, self._ipc.LBVH())
+        if not self.options.count_once:
+            collisions.build(self._mesh, x, distance or self._distance, 0.0, self._ipc.LBVH())
+            return collisions
+        collisions.collision_set_type = collisions.IMPROVED_MAX_APPROX
+        # several threads lose a pair now and then (1.6.1: 49 of 300 builds of one state differed, forces by 1e-4)
+        threads = self._ipc.get_num_threads()
+        self._ipc.set_num_threads(1)
+        try:
+            collisions.build(self._mesh, x, distance or self._distance, 0.0, self._ipc.LBVH())
+        finally:
+            self._ipc.set_num_threads(threads)
         return collisions
 
     def _nodal(self, local: F64) -> F64:
@@ -192,3 +205,12 @@ class SurfaceContact:
         upper = row <= column
         size = 3 * self._n_nodes
         return sp.csr_array((entries.data[upper] * _MM, (row[upper], column[upper])), shape=(size, size))
+
+
+def _facet_areas(points_m: F64) -> F64:
+    """Return the area that belongs to each node of six-node faces [n, 6, 3]: a third of its facets'."""
+    area = np.zeros(points_m.shape[:2])
+    for facet in _FACETS:
+        a, b, c = np.moveaxis(points_m[:, list(facet)], 1, 0)
+        area[:, list(facet)] += np.linalg.norm(np.cross(b - a, c - a), axis=1)[:, None] / 6.0
+    return area

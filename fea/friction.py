@@ -2,7 +2,7 @@
 
 Quasi-static friction has no rate. A pair of facets slips by s = T (w + e): w the relative displacement since the last
 converged step, e the elastic slip left by it, T the tangent plane. Its friction is mu N f(|s| / length) against s with
-the smooth f of Incremental Potential Contact (Li et al. 2020, eq. 13), and the part of |s| beyond the length is lost
+the smooth f of Incremental Potential Contact (Li et al. 2020, section 5), and the part of |s| beyond the length is lost
 for good: a return mapping as in elastoplasticity (Simo & Laursen 1992, Comput. Struct. 42). Without e, as in a dynamic
 simulation, a body that sticks would creep by up to the length in every load step.
 

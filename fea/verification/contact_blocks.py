@@ -76,15 +76,15 @@ def block_pair(
     return Pair(model=model, contact=SurfaceContact(mesh, first, second, contact), upper=above, top=top)
 
 
-def drive(pair: Pair, path_m: F64, *, tolerance: float = 1e-6) -> list[State]:
-    """Move the top face through positions [n, 3]; a step that fails is halved, up to four times.
+def drive(pair: Pair, path_m: F64, *, tolerance: float = 1e-6, load: Load | None = None) -> list[State]:
+    """Move the top face through positions [n, 3] under a constant load; a step that fails is halved up to four times.
 
     Raises
     ------
     RuntimeError
         If equilibrium is not reached.
     """
-    model, solver = pair.model, SymmetricSolver()
+    model, solver, load = pair.model, SymmetricSolver(), load or Load()
     options = NewtonOptions(relative_tolerance=tolerance, max_iterations=40, step_cap_m=1.0)
     u, at = np.zeros_like(model.mesh.points_m), np.zeros(3)
     contact = begin(pair.contact, u)
@@ -96,7 +96,7 @@ def drive(pair: Pair, path_m: F64, *, tolerance: float = 1e-6) -> list[State]:
             aim = target if share == 1.0 else at + share * (target - at)
             way = aim - at
             guess = _guess(pair, u, way, rate)
-            outcome = solve_step(model, guess, Load(), options, solver, contact=contact)
+            outcome = solve_step(model, guess, load, options, solver, contact=contact)
             iterations += outcome.iterations
             if not outcome.converged:
                 share *= 0.5
@@ -106,7 +106,7 @@ def drive(pair: Pair, path_m: F64, *, tolerance: float = 1e-6) -> list[State]:
             rate = (outcome.u_m - u) / float(np.linalg.norm(way))
             u, at, share = outcome.u_m, aim, 1.0
             contact = advance(contact, u)
-        state = model.evaluate(u, Load(), tangent=False)
+        state = model.evaluate(u, load, tangent=False)
         assert state is not None
         force = state.reaction_n[pair.top].sum(axis=0)
         states.append(State(moved_m=target, force_n=force, u_m=u, iterations=iterations))
