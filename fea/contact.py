@@ -118,11 +118,17 @@ class SurfaceContact:
         local = self._potential.hessian(collisions, self._mesh, x, method)
         return ContactState(force_n=force, hessian=self._upper(local))
 
-    def friction_pairs(self, u_m: F64) -> Any:
-        """Return ipctk's pairs with the normal forces and tangent planes that they have at displacements u."""
+    def friction_pairs(self, u_m: F64, coefficient: float | None = None) -> Any:
+        """Return ipctk's pairs with the normal forces and tangent planes at displacements u (options' coefficient)."""
         x = self._positions(u_m)
         pairs = self._ipc.TangentialCollisions()
-        pairs.build(self._mesh, x, self._collisions(x), self._potential, self.options.friction)
+        pairs.build(
+            self._mesh,
+            x,
+            self._collisions(x),
+            self._potential,
+            self.options.friction if coefficient is None else coefficient,
+        )
         return pairs
 
     def friction_state(self, pairs: Any, slip_m: F64, length_m: float) -> ContactState:

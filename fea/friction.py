@@ -11,8 +11,9 @@ state and then with those of every iterate, so that at convergence nothing lags.
 change, which keeps it symmetric.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -79,36 +80,19 @@ class FrictionalContact:
     def elastic_slip_m(self, u_m: F64) -> F64:
         """Return the slip that stays elastic [n_nodes, 3]: half on each side, opposite, no longer than the length.
 
-        A node has the average over its pairs, weighted by normal force and share in the pair. That of the linear law is
-        its force on the node; a unit translation of one side along each axis gives the sum of the weights.
+        Pairs come and go, nodes stay: a node keeps the average over its pairs.
         """
-        slip = self._mean_slip(self.surfaces.friction_pairs(u_m), u_m - self.anchor_m)
+        slip = _mean_slip(self.surfaces, self.surfaces.friction_pairs(u_m), u_m - self.anchor_m)
         size = np.linalg.norm(slip, axis=1, keepdims=True)
         return np.asarray(0.5 * slip * np.minimum(1.0, self._length / np.maximum(size, 1e-300)))
 
     def _secant(self, pairs: Any, slip_m: F64) -> sp.csr_array:
         """Return the Hessian at no slip, scaled by the secant f(y) / y at the nodes' mean slips."""
         linear = self.surfaces.friction_state(pairs, np.zeros_like(slip_m), self._length).hessian
-        y = np.linalg.norm(self._mean_slip(pairs, slip_m), axis=1) / self._length
+        y = np.linalg.norm(_mean_slip(self.surfaces, pairs, slip_m), axis=1) / self._length
         secant = np.where(y < 1.0, 2.0 - y, 1.0 / np.maximum(y, 1.0))
         diagonal = sp.diags_array(np.repeat(np.sqrt(secant / 2.0), 3))  # f'(0) = 2
         return sp.csr_array(diagonal @ linear @ diagonal)
-
-    def _mean_slip(self, pairs: Any, slip_m: F64) -> F64:
-        """Return each node's slip [n_nodes, 3], the average over its pairs; zero where nothing touches."""
-        force = -self.surfaces.friction_force(pairs, slip_m, _LINEAR_M)
-        on_first = np.zeros(len(slip_m), dtype=bool)
-        on_first[self.surfaces.first_nodes] = True
-        weight = np.zeros(len(slip_m))
-        for axis in range(3):
-            unit = np.zeros_like(slip_m)
-            unit[on_first, axis] = 1.0
-            weight -= 0.5 * self.surfaces.friction_force(pairs, unit, _LINEAR_M)[:, axis]
-        weight[~on_first] *= -1.0  # the other side is pulled the other way
-        touching = weight > 1e-9 * max(float(weight.max()), 1e-300)
-        slip = np.zeros_like(slip_m)
-        slip[touching] = force[touching] / weight[touching, None]
-        return slip
 
     @property
     def _length(self) -> float:
@@ -116,6 +100,18 @@ class FrictionalContact:
 
     def _pairs(self, u_m: F64) -> Any:
         return self.surfaces.friction_pairs(u_m) if self.pairs is None else self.pairs
+
+
+def accumulated_slip_m(surfaces: SurfaceContact, states_m: Sequence[F64]) -> F64:
+    """Return how far each node of the first surface slid along the other one while they touched [n_first].
+
+    ``states_m`` are the converged displacements of a path in order, the unloaded one first. Works without friction too.
+    """
+    total = np.zeros(len(surfaces.first_nodes))
+    for before, after in pairwise(states_m):
+        slip = _mean_slip(surfaces, surfaces.friction_pairs(after, coefficient=1.0), after - before)
+        total += np.linalg.norm(slip[surfaces.first_nodes], axis=1)
+    return total
 
 
 def begin(contact: Contact | None, u_m: F64) -> Contact | None:
@@ -150,3 +146,28 @@ def solve_step(
         return first
     second = solve_equilibrium(model, first.u_m, load, options, solver, contact=contact, on_iteration=on_iteration)
     return replace(second, iterations=first.iterations + second.iterations, cost=first.cost + second.cost)
+
+
+def _mean_slip(surfaces: SurfaceContact, pairs: Any, slip_m: F64) -> F64:
+    """Return each node's slip [n_nodes, 3], the average over its pairs; zero where nothing touches.
+
+    Least squares over the node's pairs, weighted by their normal force and the node's share in them: M s = g with
+    M = sum of c N T^T T and g = sum of c N T^T s. The linear law's force on the node is g, and unit translations of
+    one side along the axes give the columns of M.
+    """
+    moment = -surfaces.friction_force(pairs, slip_m, _LINEAR_M)
+    on_first = np.zeros(len(slip_m), dtype=bool)
+    on_first[surfaces.first_nodes] = True
+    matrix = np.zeros((len(slip_m), 3, 3))
+    for axis in range(3):
+        unit = np.zeros_like(slip_m)
+        unit[on_first, axis] = 1.0
+        matrix[:, :, axis] = -surfaces.friction_force(pairs, unit, _LINEAR_M)
+    matrix[~on_first] *= -1.0  # the other side is pulled the other way
+    weight = np.trace(matrix, axis1=1, axis2=2)
+    touching = weight > 1e-9 * max(float(weight.max()), 1e-300)
+    slip = np.zeros_like(slip_m)
+    # the normal direction has no stiffness, or little where planes differ: it takes no part
+    inverse = np.linalg.pinv(matrix[touching], rcond=0.1, hermitian=True)
+    slip[touching] = (inverse @ moment[touching, :, None])[..., 0]
+    return slip

@@ -32,7 +32,7 @@ from fea.verification.treloar import treloar
 from scripts import _cli
 
 EXAMPLES = """examples:
-  python scripts/verify_fea.py --out docs/verification.md       # about two minutes
+  python scripts/verify_fea.py --out docs/verification.md       # about three minutes
   python scripts/verify_fea.py --only cylinder patch --json out/verification.json
 """
 

@@ -77,13 +77,13 @@ def sliding_loop(friction: float, *, cells: int = 4, steps: int = 8) -> Loop:
     )
 
 
-def sliding(friction: float) -> Row:
+def sliding(friction: float, *, steps: int = 8) -> Row:
     """Return T / N of gross sliding, half the difference of both ways, against the coefficient.
 
     The difference takes out the conservative force of facets passing over facets, which changes sign from place to
     place but not with the direction of motion.
     """
-    loop = sliding_loop(friction)
+    loop = sliding_loop(friction, steps=steps)
     there, back = loop.sliding
     return Row(
         problem=f"block on a frictional plane, mu {friction:g}",

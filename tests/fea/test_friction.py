@@ -5,7 +5,7 @@ import pytest
 
 from fea.assembly import Load
 from fea.contact import ContactOptions, SurfaceContact
-from fea.friction import advance, begin, solve_step
+from fea.friction import accumulated_slip_m, advance, begin, solve_step
 from fea.lattice import free_faces
 from fea.linear_solver import SymmetricSolver
 from fea.meshes import surface_force
@@ -102,6 +102,17 @@ def test_friction_builds_up_over_the_length_and_is_remembered(pair):
     assert not contact.advanced(apart).elastic_slip_m(apart).any()
 
 
+def test_slip_adds_up_along_the_way_to_and_fro():
+    smooth = make_pair(replace(OPTIONS, friction=0.0))
+    way = [0.0, 0.02e-3, 0.05e-3, 0.03e-3]
+    states = [np.where(smooth.upper[:, None], [x, 0.0, -0.07e-3], 0.0) for x in way]
+    slip = accumulated_slip_m(smooth.contact, states)
+    x = smooth.model.mesh.points_m[smooth.contact.first_nodes]
+    distance = np.hypot(x[:, 0], x[:, 1])
+    np.testing.assert_allclose(slip[distance < 0.8e-3], 0.07e-3, rtol=0.01)
+    assert not slip[distance > 2.3e-3].any()
+
+
 def test_a_body_that_sticks_does_not_creep(pair):
     start = drive(pair, np.array([[0.0, 0.0, -0.06e-3], [0.02e-3, 0.0, -0.06e-3]]))[-1].u_m
 
@@ -121,7 +132,7 @@ def test_a_body_that_sticks_does_not_creep(pair):
 
 
 def test_the_way_to_and_fro_costs_work_only_with_friction():
-    rough, smooth = sliding_loop(0.3), sliding_loop(0.0)
+    rough, smooth = sliding_loop(0.3, steps=6), sliding_loop(0.0, steps=6)
     there, back = rough.sliding
     assert there == pytest.approx(0.3, rel=0.02)
     assert back == pytest.approx(-0.3, rel=0.02)
@@ -129,13 +140,13 @@ def test_the_way_to_and_fro_costs_work_only_with_friction():
     assert rough.work_j > 0.2 * scale
     assert abs(smooth.work_j) < 1e-5 * scale
     np.testing.assert_allclose(smooth.ratio, smooth.ratio[::-1], atol=1e-5)
-    assert rough.ratio[1] < 0.28  # it sticks
+    assert abs(rough.ratio[rough.forward]) < 0.2  # it sticks where it turns back
     assert (np.abs(rough.ratio) < 0.3 * 1.02).all()
 
 
 @pytest.mark.parametrize("friction", [0.1, 0.8])
 def test_sliding_begins_at_the_coefficient(friction):
-    assert sliding(friction).error < 0.02
+    assert sliding(friction, steps=6).error < 0.02
 
 
 def pull(pair):
@@ -185,17 +196,19 @@ def test_no_friction_is_the_plain_contact():
     np.testing.assert_allclose(one.u_m, two.u_m, atol=1e-15)  # threads add up in any order
 
 
-def test_contact_pressure_is_the_normal_force_over_the_area(pair):
-    lower = pair.contact.first_nodes
-    u = over(pair)
-    pressure = pair.contact.contact_pressure_pa(u)
+def test_contact_pressure_is_the_normal_force_over_the_area():
+    options = replace(OPTIONS, friction=0.0)
+    fine = Block(side_m=4e-3, height_m=HEIGHT, cells=6, layers=1)
+    pressed = block_pair(fine, replace(fine, cells=5), neo_hookean(3.3e5, 1e6), options, gap_m=GAP)
+    state = drive(pressed, np.array([[0.0, 0.0, -0.03e-3], [0.0, 0.0, -0.06e-3]]))[-1]
+    lower = pressed.contact.first_nodes
+    pressure = pressed.contact.contact_pressure_pa(state.u_m)
     assert pressure.shape == lower.shape
-    x = pair.model.mesh.points_m[lower]
-    assert not pressure[np.hypot(x[:, 0], x[:, 1]) > 2.3e-3].any()
-    force = pair.contact.evaluate(u).force_n
-    area = (4e-3) ** 2 / (2 * 3) ** 2  # of an inner node of the lower face
-    centre = int(np.argmin(np.hypot(x[:, 0], x[:, 1])))
-    assert pressure[centre] == pytest.approx(-force[lower[centre], 2] / area, rel=0.02)
+    x = np.abs(pressed.model.mesh.points_m[lower, :2]).max(axis=1)
+    mean = -state.force_n[2] / (4e-3) ** 2
+    inner = pressure[x < 0.7e-3]  # one element and more from the edges
+    assert inner.mean() == pytest.approx(mean, rel=0.1)
+    assert inner.std() < 0.1 * mean
 
 
 @pytest.mark.parametrize(
