@@ -34,7 +34,7 @@ class FingerMesh:
 
 
 OPTIONS = NewtonOptions(
-    relative_tolerance=1e-5, max_iterations=20, first_step=FIRST_STEP_PA, largest_step=LARGEST_STEP_PA
+    relative_tolerance=1e-4, max_iterations=16, first_step=FIRST_STEP_PA, largest_step=LARGEST_STEP_PA
 )
 
 _ACTUATOR = ActuatorMesh(theta_cells=3, inner_cells=1, gap_cells=1, cap_cells=1, core_cells=1)
@@ -130,7 +130,8 @@ def finger_model(
     solid = SolidModel(mesh=body, laws=dict(laws), fixed=fixed, cavity=chamber_cavity(body, geometry))
     outer = free_faces(body, lambda c: np.isclose(c[..., 0], geometry.actuator_outer_radius_m, rtol=0.0, atol=1e-9))
     return FingerModel(
-        solid=solid, contact=SurfaceContact(body, outer, _tube_faces(solid, geometry), contact or ContactOptions())
+        solid=solid,
+        contact=SurfaceContact(body, outer, _tube_faces(solid, geometry), contact or ContactOptions(count_once=True)),
     )
 
 

@@ -71,6 +71,22 @@ def straight_sided(mesh: SolidMesh, vertices_m: F64) -> SolidMesh:
     return _quadratic(np.vstack([vertices_m, vertices_m[edges].mean(axis=1)]), mesh.cylindrical, straight)
 
 
+def union(*meshes: SolidMesh) -> SolidMesh:
+    """Return several meshes of straight ten-node tetrahedra as one, unconnected; material i in the i-th of them.
+
+    The reference coordinates are the positions: those of the parts need not share a map.
+    """
+    counts = [int(mesh.elements[:, :4].max()) + 1 for mesh in meshes]
+    starts = np.cumsum([0, *counts[:-1]])
+    vertices = np.vstack([mesh.points_m[:n] for mesh, n in zip(meshes, counts, strict=True)])
+    tets = np.vstack([mesh.elements[:, :4] + start for mesh, start in zip(meshes, starts, strict=True)])
+    straight = MeshTet1(vertices.T.copy(), tets.T.copy())
+    edges = np.asarray(MeshTet2.from_mesh(straight).edges).T
+    points = np.vstack([vertices, vertices[edges].mean(axis=1)])
+    material = np.repeat(np.arange(len(meshes)), [len(mesh.elements) for mesh in meshes])
+    return replace(_quadratic(points, points, straight), material=material)
+
+
 def linear_mesh(mesh: SolidMesh) -> SolidMesh:
     """Return the four-node tetrahedra over the vertices of a ten-node mesh (P1, chords instead of curves)."""
     n = int(mesh.elements[:, :4].max()) + 1

@@ -58,8 +58,8 @@ class Contact(Protocol):
         """Return forces and Hessian at displacements [n_nodes, 3]; ``project`` makes it positive semi-definite."""
         ...
 
-    def energy(self, u_m: F64) -> float:
-        """Return the energy [J] whose gradient the forces are."""
+    def energy(self, u_m: F64) -> float | None:
+        """Return the energy [J] whose gradient the forces are, or None where there is none."""
         ...
 
     def step_bound(self, u_m: F64, trial_m: F64) -> float:
@@ -220,7 +220,7 @@ class _Solve:
         nodal = np.zeros_like(u)
         nodal.reshape(-1)[self.work.model.free] = step
         share = min(1.0, self.options.step_cap_m / max(float(np.abs(nodal).max()), 1e-30))
-        before = self._energy(u) if settled else None
+        before = self._energy(u)[1] if settled else None
         for attempt in range(_SEARCH_HALVINGS):
             trial = u + self.work.retraction(u, share * nodal)
             if self.contact is not None and attempt == 0:
@@ -229,22 +229,28 @@ class _Solve:
                 if bound < 1.0:
                     share *= BOUND_SHARE * bound
                     trial = u + self.work.retraction(u, share * nodal)
-            after = self._energy(trial)
-            if after is not None and (
-                before is None or after <= before - _SUFFICIENT_DECREASE * share * slope + _ROUNDING * abs(before)
-            ):
+            upright, after = self._energy(trial)
+            if upright and _falls(before, after, share * slope):
                 return trial, share
             share *= 0.5
         return None
 
-    def _energy(self, u: F64) -> float | None:
-        """Return the potential [J], or None where an element is inverted or surfaces pass through each other."""
+    def _energy(self, u: F64) -> tuple[bool, float | None]:
+        """Return whether every element is upright, and the potential [J] if there is one."""
         with self.watch.time("assembly"):
             energy = self.work.model.energy(u, self.load)
         if energy is None or self.contact is None:
-            return energy
+            return energy is not None, energy
         with self.watch.time("contact"):
-            return energy + self.contact.energy(u)
+            more = self.contact.energy(u)
+        return True, None if more is None else energy + more
+
+
+def _falls(before: float | None, after: float | None, slope: float) -> bool:
+    """Tell whether the energy falls enough; where there is none to compare, any step will do."""
+    if before is None or after is None:
+        return True
+    return after <= before - _SUFFICIENT_DECREASE * slope + _ROUNDING * abs(before)
 
 
 def _scale(state: Evaluation) -> float:

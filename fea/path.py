@@ -9,7 +9,8 @@ import numpy as np
 from fea.arrays import F64
 from fea.assembly import Load, SolidModel
 from fea.cost import NO_COST, Cost
-from fea.newton import Contact, NewtonOptions, Outcome, Status, solve_equilibrium
+from fea.friction import advance, begin, solve_step
+from fea.newton import Contact, NewtonOptions, Outcome, Status
 from fea.workspace import workspace
 
 _EASY, _HARD = 6, 10
@@ -85,16 +86,19 @@ def follow(
     at, u = states[-1]
     spent = sweep.resume[-1].cost if sweep.resume else NO_COST
     reached = dict(states)
+    contact = begin(contact, zero)
+    for made in sweep.resume:
+        contact = advance(contact, made.u_m)
     work = workspace(model)
     outcome = Outcome(status=Status.CONVERGED, u_m=u, iterations=0, residual=0.0)
-    size = min(options.first_step, options.largest_step)
+    size = _resumed_size(sweep.resume, targets, options)
     start = 0.0
     for target in targets:
         span, start = target - start, target
         while at < target:
             step = min(size, target - at)
             aim = target if step >= target - at else at + step
-            outcome = solve_equilibrium(
+            outcome = solve_step(
                 work,
                 u,
                 load_at(aim),
@@ -107,6 +111,7 @@ def follow(
             if outcome.converged:
                 at, u = aim, outcome.u_m
                 size = _next_size(size, step, outcome.iterations, options)
+                contact = advance(contact, u)
                 made = Step(parameter=at, u_m=u, iterations=outcome.iterations, residual=outcome.residual, cost=spent)
                 sweep.on_step(made)
                 continue
@@ -117,6 +122,18 @@ def follow(
         on_target(target, reached.get(target, u))
     work.close()
     return replace(outcome, u_m=u, iterations=spent.newton_iterations, cost=spent)
+
+
+def _resumed_size(resume: Sequence[Step], targets: list[float], options: NewtonOptions) -> float:
+    """Return the size that an unbroken run would go on with: with friction the steps are part of the result."""
+    size, at = min(options.first_step, options.largest_step), 0.0
+    for made in resume:
+        step = made.parameter - at
+        if made.parameter not in targets:
+            size = step
+        at = made.parameter
+        size = _next_size(size, step, made.iterations, options)
+    return size
 
 
 def _next_size(size: float, step: float, iterations: int, options: NewtonOptions) -> float:

@@ -1,0 +1,182 @@
+"""Coulomb friction along a load path: an elastic slip that each converged step hands to the next.
+
+Quasi-static friction has no rate. A pair of facets slips by s = T (w + e): w the relative displacement since the last
+converged step, e the elastic slip left by it, T the tangent plane. Its friction is mu N f(|s| / length) against s with
+the smooth f of Incremental Potential Contact (Li et al. 2020, section 5), and the part of |s| beyond the length is lost
+for good: a return mapping as in elastoplasticity (Simo & Laursen 1992, Comput. Struct. 42). Without e, as in a dynamic
+simulation, a body that sticks would creep by up to the length in every load step.
+
+The normal forces N and planes T belong to the state that is reached: a step is first solved with those of the last
+state and then with those of every iterate, so that at convergence nothing lags. Only the tangent leaves out how N and T
+change, which keeps it symmetric.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+
+from fea.arrays import F64
+from fea.assembly import Load
+from fea.contact import SurfaceContact
+from fea.newton import Contact, ContactState, NewtonOptions, Outcome, solve_equilibrium
+from fea.workspace import Workspace
+
+_LINEAR_M = 1e3
+"""Choice: a length so long that friction is linear in the slip; used to average slips."""
+_FIRST_TOLERANCE = 3e-3
+"""Choice: residual at which the normal forces of the last state give way to those of every iterate."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FrictionalContact:
+    """Contact during one load step; immutable, so a step that fails leaves nothing behind.
+
+    Attributes
+    ----------
+    surfaces : SurfaceContact
+    anchor_m : array [n_nodes, 3]
+        Displacement from which slip counts: that of the last converged step less the elastic slip.
+    pairs : ipctk.TangentialCollisions or None
+        Frozen normal forces and tangent planes; None: those of the displacement that is evaluated.
+    """
+
+    surfaces: SurfaceContact
+    anchor_m: F64
+    pairs: Any = None
+
+    def evaluate(self, u_m: F64, *, project: bool = True) -> ContactState:
+        """Return forces and Hessian of barrier and friction.
+
+        With frozen pairs, in a step's first stage, or ``project`` friction's is the secant stiffness N f / s: Newton's
+        own tangent is nothing where all slides, and overshoots without end where the sliding turns back. It is positive
+        semi-definite too, except where pairs are counted once: those that take away can outweigh the rest at a node.
+        """
+        pairs, slip = self._pairs(u_m), u_m - self.anchor_m
+        normal = self.surfaces.evaluate(u_m, project=project)
+        friction = self.surfaces.friction_state(pairs, slip, self._length)
+        hessian = self._secant(pairs, slip) if project or self.pairs is not None else friction.hessian
+        return ContactState(force_n=normal.force_n + friction.force_n, hessian=(normal.hessian + hessian).tocsr())
+
+    def energy(self, u_m: F64) -> float | None:
+        """Return the energy [J] with frozen pairs; None without them, where friction has no potential."""
+        if self.pairs is None:
+            return None
+        friction = self.surfaces.friction_energy(self.pairs, u_m - self.anchor_m, self._length)
+        return self.surfaces.energy(u_m) + friction
+
+    def step_bound(self, u_m: F64, trial_m: F64) -> float:
+        """Return the collision-free fraction of the way."""
+        return self.surfaces.step_bound(u_m, trial_m)
+
+    def friction_force_n(self, u_m: F64) -> F64:
+        """Return friction's part of the forces [n_nodes, 3]."""
+        return self.surfaces.friction_force(self._pairs(u_m), u_m - self.anchor_m, self._length)
+
+    def frozen(self, u_m: F64) -> "FrictionalContact":
+        """Return the contact with the normal forces and tangent planes of displacement u."""
+        return replace(self, pairs=self.surfaces.friction_pairs(u_m))
+
+    def advanced(self, u_m: F64) -> "FrictionalContact":
+        """Return the contact of the next step after converging at u."""
+        return replace(self, anchor_m=u_m - self.elastic_slip_m(u_m), pairs=None)
+
+    def elastic_slip_m(self, u_m: F64) -> F64:
+        """Return the slip that stays elastic [n_nodes, 3]: half on each side, opposite, no longer than the length.
+
+        Pairs come and go, nodes stay: a node keeps the average over its pairs.
+        """
+        slip = _mean_slip(self.surfaces, self.surfaces.friction_pairs(u_m), u_m - self.anchor_m)
+        size = np.linalg.norm(slip, axis=1, keepdims=True)
+        return np.asarray(0.5 * slip * np.minimum(1.0, self._length / np.maximum(size, 1e-300)))
+
+    def _secant(self, pairs: Any, slip_m: F64) -> sp.csr_array:
+        """Return the Hessian at no slip, scaled by the secant f(y) / y at the nodes' mean slips."""
+        linear = self.surfaces.friction_state(pairs, np.zeros_like(slip_m), self._length).hessian
+        y = np.linalg.norm(_mean_slip(self.surfaces, pairs, slip_m), axis=1) / self._length
+        secant = np.where(y < 1.0, 2.0 - y, 1.0 / np.maximum(y, 1.0))
+        diagonal = sp.diags_array(np.repeat(np.sqrt(secant / 2.0), 3))  # f'(0) = 2
+        return sp.csr_array(diagonal @ linear @ diagonal)
+
+    @property
+    def _length(self) -> float:
+        return self.surfaces.options.friction_slip_m
+
+    def _pairs(self, u_m: F64) -> Any:
+        return self.surfaces.friction_pairs(u_m) if self.pairs is None else self.pairs
+
+
+def accumulated_slip_m(surfaces: SurfaceContact, states_m: Sequence[F64]) -> F64:
+    """Return how far each node of the first surface slid along the other one while they touched [n_first].
+
+    ``states_m`` are the converged displacements of a path in order, the unloaded one first. Works without friction too.
+    """
+    total = np.zeros(len(surfaces.first_nodes))
+    for before, after in pairwise(states_m):
+        slip = _mean_slip(surfaces, surfaces.friction_pairs(after, coefficient=1.0), after - before)
+        total += np.linalg.norm(slip[surfaces.first_nodes], axis=1)
+    return total
+
+
+def begin(contact: Contact | None, u_m: F64) -> Contact | None:
+    """Return the contact of the first step from u; the same object where there is no friction."""
+    if isinstance(contact, SurfaceContact) and contact.options.friction > 0.0:
+        return FrictionalContact(surfaces=contact, anchor_m=u_m)
+    return contact
+
+
+def advance(contact: Contact | None, u_m: F64) -> Contact | None:
+    """Return the contact of the next step after converging at u; the same object where there is no friction."""
+    return contact.advanced(u_m) if isinstance(contact, FrictionalContact) else contact
+
+
+def solve_step(
+    work: Workspace,
+    u_m: F64,
+    load: Load,
+    options: NewtonOptions,
+    *,
+    balanced: Load | None = None,
+    contact: Contact | None = None,
+    on_iteration: Callable[[int, float], None] = lambda *_: None,
+) -> Outcome:
+    """Solve one load step as :func:`fea.newton.solve_equilibrium` does; with friction in two stages."""
+    if not isinstance(contact, FrictionalContact):
+        return solve_equilibrium(
+            work, u_m, load, options, balanced=balanced, contact=contact, on_iteration=on_iteration
+        )
+    frozen = contact.frozen(u_m)
+    rough = replace(options, relative_tolerance=max(_FIRST_TOLERANCE, options.relative_tolerance))
+    first = solve_equilibrium(work, u_m, load, rough, balanced=balanced, contact=frozen, on_iteration=on_iteration)
+    if not first.converged:
+        return first
+    second = solve_equilibrium(work, first.u_m, load, options, contact=contact, on_iteration=on_iteration)
+    return replace(second, iterations=first.iterations + second.iterations, cost=first.cost + second.cost)
+
+
+def _mean_slip(surfaces: SurfaceContact, pairs: Any, slip_m: F64) -> F64:
+    """Return each node's slip [n_nodes, 3], the average over its pairs; zero where nothing touches.
+
+    Least squares over the node's pairs, weighted by their normal force and the node's share in them: M s = g with
+    M = sum of c N T^T T and g = sum of c N T^T s. The linear law's force on the node is g, and unit translations of
+    one side along the axes give the columns of M.
+    """
+    moment = -surfaces.friction_force(pairs, slip_m, _LINEAR_M)
+    on_first = np.zeros(len(slip_m), dtype=bool)
+    on_first[surfaces.first_nodes] = True
+    matrix = np.zeros((len(slip_m), 3, 3))
+    for axis in range(3):
+        unit = np.zeros_like(slip_m)
+        unit[on_first, axis] = 1.0
+        matrix[:, :, axis] = -surfaces.friction_force(pairs, unit, _LINEAR_M)
+    matrix[~on_first] *= -1.0  # the other side is pulled the other way
+    weight = np.trace(matrix, axis1=1, axis2=2)
+    touching = weight > 1e-9 * max(float(weight.max()), 1e-300)
+    slip = np.zeros_like(slip_m)
+    # the normal direction has no stiffness, or little where planes differ: it takes no part
+    inverse = np.linalg.pinv(matrix[touching], rcond=0.1, hermitian=True)
+    slip[touching] = (inverse @ moment[touching, :, None])[..., 0]
+    return slip
