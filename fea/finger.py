@@ -1,6 +1,6 @@
-"""Analysis (iii): the complete finger, actuator inside exoskeleton with frictionless contact, under pressure."""
+"""Analysis (iii): the complete finger, actuator inside exoskeleton with contact, under pressure."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,12 +11,14 @@ from fea.assembly import Load, SolidModel
 from fea.contact import ContactOptions, SurfaceContact
 from fea.cost import NO_COST, Cost
 from fea.exoskeleton import ExoskeletonMesh, exoskeleton_lattice, section_motions
+from fea.friction import Together, accumulated_slip_m
 from fea.geometry import FingerGeometry
 from fea.inputs import check_pressures
 from fea.lattice import VOID, Lattice, build_mesh, free_faces, symmetry_nodes
 from fea.materials import Material
 from fea.newton import NewtonOptions, Status
 from fea.path import Sweep, follow
+from fea.tip_wall import TipWall
 
 TPU = 2
 PRESSURES_PA_GAUGE = tuple(1e3 * p for p in (2, 5, 10, 15, 20, 25, 30, 37.5, 45, 52.5, 60, 65, 70, 75, 80))
@@ -61,10 +63,13 @@ class FingerModel:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class FingerResult:
-    """Rows over the pressures that converged, starting with the unloaded state; forces of the whole finger.
+    """Rows over the states that converged, starting with the unloaded one; forces of the whole finger.
 
     Attributes
     ----------
+    branch : tuple of str [n]
+        ``"loading"`` or ``"unloading"``.
+    pressure_pa_gauge : array [n]
     tip_angle_rad : array [n]
         Rotation of the distal section, positive in flexion.
     joint_angle_rad : array [n, 3]
@@ -77,12 +82,17 @@ class FingerResult:
         Smallest distance of the surfaces; never zero, and ``inf`` where it exceeds the clearance.
     contact_force_n : array [n]
         Sum over the actuator's nodes of the magnitude of the contact's forces.
+    contact_pressure_pa, slip_m : arrays [n]
+        Largest contact pressure on the actuator, and the largest slip of one of its nodes since the row before.
+    tip_force_n : array [n]
+        Force on the wall in front of the tip, zero without one.
     u_m : array [n_nodes, 3]
         Displacement of the last row.
     status, iterations, dofs, elements
         How the solve ended and its size.
     """
 
+    branch: tuple[str, ...]
     pressure_pa_gauge: F64
     tip_angle_rad: F64
     joint_angle_rad: F64
@@ -90,12 +100,41 @@ class FingerResult:
     volume_m3: F64
     minimum_gap_m: F64
     contact_force_n: F64
+    contact_pressure_pa: F64
+    slip_m: F64
+    tip_force_n: F64
     u_m: F64
     status: Status
     iterations: int
     dofs: int
     elements: int
     cost: Cost = NO_COST
+
+
+@dataclass(frozen=True)
+class PressurePath:
+    """Gauge pressures up and, with ``unload``, down again to zero, as targets of one increasing parameter."""
+
+    pressures_pa_gauge: tuple[float, ...]
+    unload: bool = False
+
+    def __post_init__(self) -> None:
+        check_pressures(self.pressures_pa_gauge)
+
+    @property
+    def targets(self) -> list[float]:
+        """Parameters at which states are asked for."""
+        up = list(self.pressures_pa_gauge)
+        return [*up, *(2.0 * up[-1] - p for p in (*up[-2::-1], 0.0))] if self.unload else up
+
+    def pressure(self, parameter: float) -> float:
+        """Return the gauge pressure at a parameter."""
+        top = self.pressures_pa_gauge[-1]
+        return parameter if parameter <= top else 2.0 * top - parameter
+
+    def branch(self, parameter: float) -> str:
+        """Return which branch a parameter belongs to."""
+        return "loading" if parameter <= self.pressures_pa_gauge[-1] else "unloading"
 
 
 def finger_lattices(geometry: FingerGeometry, mesh: FingerMesh) -> tuple[Lattice, Lattice]:
@@ -138,40 +177,50 @@ def finger_model(
 def analyse_finger(
     model: FingerModel,
     geometry: FingerGeometry,
-    pressures_pa_gauge: list[float],
+    pressures_pa_gauge: Sequence[float],
     *,
+    unload: bool = False,
+    wall: TipWall | None = None,
     options: NewtonOptions | None = None,
     progress: Callable[[], None] = lambda: None,
     sweep: Sweep | None = None,
 ) -> FingerResult:
-    """Inflate through increasing gauge pressures; ends early, with the status, where equilibrium is lost."""
-    check_pressures(pressures_pa_gauge)
-    states = [np.zeros_like(model.solid.mesh.points_m)]
-    rows = [_measure(model, geometry, 0.0, states[0])]
+    """Inflate through increasing gauge pressures, and deflate with ``unload``; ends early where equilibrium is lost.
 
-    def record(pressure: float, u_m: F64) -> None:
+    With a ``wall`` in front of the tip this is the blocked test.
+    """
+    path = PressurePath(tuple(pressures_pa_gauge), unload)
+    parameters, states = [0.0], [np.zeros_like(model.solid.mesh.points_m)]
+    rows = [_measure(model, geometry, states[0], states[0], wall)]
+
+    def record(parameter: float, u_m: F64) -> None:
+        parameters.append(parameter)
+        rows.append(_measure(model, geometry, u_m, states[0], wall))
         states[:] = [u_m]
-        rows.append(_measure(model, geometry, pressure, u_m))
         progress()
 
     outcome = follow(
         model.solid,
-        lambda p: Load(pressure_pa_gauge=p),
-        pressures_pa_gauge,
+        lambda parameter: Load(pressure_pa_gauge=path.pressure(parameter)),
+        path.targets,
         options or OPTIONS,
         on_target=record,
-        contact=model.contact,
+        contact=model.contact if wall is None else Together(parts=(model.contact, wall)),
         sweep=sweep,
     )
     table = np.array(rows)
     return FingerResult(
-        pressure_pa_gauge=table[:, 0],
-        joint_angle_rad=table[:, 1:4],
-        tip_angle_rad=table[:, 1:4].sum(axis=1),
-        tip_displacement_m=table[:, 4],
-        volume_m3=table[:, 5],
-        minimum_gap_m=table[:, 6],
-        contact_force_n=table[:, 7],
+        branch=tuple(path.branch(parameter) for parameter in parameters),
+        pressure_pa_gauge=np.array([path.pressure(parameter) for parameter in parameters]),
+        joint_angle_rad=table[:, 0:3],
+        tip_angle_rad=table[:, 0:3].sum(axis=1),
+        tip_displacement_m=table[:, 3],
+        volume_m3=table[:, 4],
+        minimum_gap_m=table[:, 5],
+        contact_force_n=table[:, 6],
+        contact_pressure_pa=table[:, 7],
+        slip_m=table[:, 8],
+        tip_force_n=table[:, 9],
         u_m=states[0],
         status=outcome.status,
         iterations=outcome.iterations,
@@ -195,19 +244,23 @@ def _tube_faces(solid: SolidModel, geometry: FingerGeometry) -> I64:
     return free_faces(solid.mesh, near)
 
 
-def _measure(model: FingerModel, geometry: FingerGeometry, pressure: float, u_m: F64) -> list[float]:
-    mesh, cavity = model.solid.mesh, model.solid.cavity
+def _measure(
+    model: FingerModel, geometry: FingerGeometry, u_m: F64, before_m: F64, wall: TipWall | None
+) -> list[float]:
+    mesh, cavity, contact = model.solid.mesh, model.solid.cavity, model.contact
     assert cavity is not None
     angles = np.diff([motion[0] for motion in section_motions(mesh, geometry, u_m)])
     r, _, z = mesh.cylindrical.T
     tip = int(np.argmin(r + np.abs(z - geometry.finger_length_m)))
-    gap = model.contact.minimum_gap_m(u_m, within_m=geometry.clearance_m)
-    force = model.contact.evaluate(u_m).force_n[model.contact.first_nodes]
+    gap = contact.minimum_gap_m(u_m, within_m=geometry.clearance_m)
+    force = contact.evaluate(u_m).force_n[contact.first_nodes]
     return [
-        pressure,
         *(float(angle) for angle in angles),
         float(np.linalg.norm(u_m[tip])),
         2.0 * cavity.volume_m3(mesh.points_m + u_m),
         np.inf if gap is None else gap,
         2.0 * float(np.linalg.norm(force, axis=1).sum()),
+        float(contact.contact_pressure_pa(u_m).max()),
+        float(accumulated_slip_m(contact, [before_m, u_m]).max()),
+        0.0 if wall is None else 2.0 * wall.force_n(u_m),
     ]

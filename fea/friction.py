@@ -121,16 +121,60 @@ def accumulated_slip_m(surfaces: SurfaceContact, states_m: Sequence[F64]) -> F64
     return total
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Together:
+    """Several contacts at once; friction is a matter of each of them."""
+
+    parts: tuple[Contact, ...]
+
+    def evaluate(self, u_m: F64, *, project: bool = True) -> ContactState:
+        """Return the sums of forces and Hessians."""
+        states = [part.evaluate(u_m, project=project) for part in self.parts]
+        hessian = sp.csr_array((u_m.size, u_m.size))
+        for state in states:
+            hessian = hessian + state.hessian
+        return ContactState(force_n=np.sum([s.force_n for s in states], axis=0), hessian=sp.csr_array(hessian))
+
+    def energy(self, u_m: F64) -> float | None:
+        """Return the sum [J], or None where one has none."""
+        energies = [part.energy(u_m) for part in self.parts]
+        return None if None in energies else float(sum(e for e in energies if e is not None))
+
+    def step_bound(self, u_m: F64, trial_m: F64) -> float:
+        """Return the smallest fraction."""
+        return min(part.step_bound(u_m, trial_m) for part in self.parts)
+
+
 def begin(contact: Contact | None, u_m: F64) -> Contact | None:
     """Return the contact of the first step from u; the same object where there is no friction."""
     if isinstance(contact, SurfaceContact) and contact.options.friction > 0.0:
         return FrictionalContact(surfaces=contact, anchor_m=u_m)
-    return contact
+    return _each(contact, lambda part: begin(part, u_m))
 
 
 def advance(contact: Contact | None, u_m: F64) -> Contact | None:
     """Return the contact of the next step after converging at u; the same object where there is no friction."""
-    return contact.advanced(u_m) if isinstance(contact, FrictionalContact) else contact
+    if isinstance(contact, FrictionalContact):
+        return contact.advanced(u_m)
+    return _each(contact, lambda part: advance(part, u_m))
+
+
+def _frozen(contact: Contact | None, u_m: F64) -> Contact | None:
+    if isinstance(contact, FrictionalContact):
+        return contact.frozen(u_m)
+    return _each(contact, lambda part: _frozen(part, u_m))
+
+
+def _each(contact: Contact | None, change: Callable[[Contact], Contact | None]) -> Contact | None:
+    if not isinstance(contact, Together):
+        return contact
+    parts = [change(part) for part in contact.parts]
+    return Together(parts=tuple(part for part in parts if part is not None))
+
+
+def _has_friction(contact: Contact | None) -> bool:
+    parts = contact.parts if isinstance(contact, Together) else (contact,)
+    return any(isinstance(part, FrictionalContact) for part in parts)
 
 
 def solve_step(
@@ -144,11 +188,11 @@ def solve_step(
     on_iteration: Callable[[int, float], None] = lambda *_: None,
 ) -> Outcome:
     """Solve one load step as :func:`fea.newton.solve_equilibrium` does; with friction in two stages."""
-    if not isinstance(contact, FrictionalContact):
+    if not _has_friction(contact):
         return solve_equilibrium(
             work, u_m, load, options, balanced=balanced, contact=contact, on_iteration=on_iteration
         )
-    frozen = contact.frozen(u_m)
+    frozen = _frozen(contact, u_m)
     rough = replace(options, relative_tolerance=max(_FIRST_TOLERANCE, options.relative_tolerance))
     first = solve_equilibrium(work, u_m, load, rough, balanced=balanced, contact=frozen, on_iteration=on_iteration)
     if not first.converged:

@@ -10,7 +10,7 @@ Three things make it converge where stiff rings turn far in one step (figures in
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from enum import Enum
 from typing import Protocol
 
@@ -27,6 +27,8 @@ _SUFFICIENT_DECREASE = 1e-4
 _ROUNDING = 1e-12
 """Choice: share of the energy by which rounding may hide a decrease."""
 _SEARCH_HALVINGS = 10
+HOPELESS = 0.3
+"""Choice: of the finger's load steps none that still had this residual after 8 iterations converged (measured)."""
 _WHOLE = 1.0 - 1e-9
 _SMALLEST_FORCE_N = 1e-9
 """Choice: where no force acts, residuals are measured against this."""
@@ -87,8 +89,8 @@ class NewtonOptions:
         Convergence when |internal - external| <= tolerance x the largest of their norms and the reactions'.
     step_cap_m : float
         Largest nodal displacement of one iteration.
-    max_iterations : int
-        Iterations of one load step.
+    max_iterations, patience : int
+        Iterations of one load step, and those after which a residual above ``HOPELESS`` ends it.
     min_step : float
         Smallest step before giving up, as a fraction of the way between two targets or the largest step.
     first_step, largest_step : float
@@ -98,14 +100,15 @@ class NewtonOptions:
     relative_tolerance: float = 1e-6
     step_cap_m: float = 30e-3
     max_iterations: int = 16
+    patience: int = 8
     min_step: float = 1.0 / 64.0
     first_step: float = np.inf
     largest_step: float = np.inf
 
     def __post_init__(self) -> None:
-        for name in ("relative_tolerance", "step_cap_m", "max_iterations", "min_step", "first_step", "largest_step"):
-            if not getattr(self, name) > 0:
-                raise ValueError(f"{name} = {getattr(self, name)} must be positive")
+        for item in fields(self):
+            if not getattr(self, item.name) > 0:
+                raise ValueError(f"{item.name} = {getattr(self, item.name)} must be positive")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -166,7 +169,7 @@ class _Solve:
             on_iteration(iteration, relative)
             if relative <= options.relative_tolerance and carried is self.load:
                 return Outcome(status=Status.CONVERGED, u_m=u, iterations=iteration, residual=relative)
-            if iteration == options.max_iterations:
+            if iteration == options.max_iterations or (iteration >= options.patience and relative > HOPELESS):
                 break
             step = self._direction(u, state, tangent, imbalance)
             if step is None:
@@ -176,7 +179,7 @@ class _Solve:
                 return Outcome(status=Status.STALLED, u_m=u, iterations=iteration + 1, residual=relative)
             u, share = moved
             carried = self.load if share > _WHOLE else carried.towards(self.load, share)
-        return Outcome(status=Status.STALLED, u_m=u, iterations=options.max_iterations, residual=relative)
+        return Outcome(status=Status.STALLED, u_m=u, iterations=iteration, residual=relative)
 
     def _system(self, u: F64, state: Evaluation, tangent: sp.csr_array) -> tuple[F64, sp.csr_array]:
         """Return the imbalance under the whole load and the tangent at the load carried, at the free freedoms."""

@@ -11,22 +11,48 @@ from fea.arrays import F64
 from fea.assembly import SolidModel
 from fea.checkpoint import code_version
 from fea.compiled import kernel_name
+from fea.contact import ContactOptions
 from fea.density import Density
 from fea.exoskeleton import analyse_exoskeleton, exoskeleton_model
 from fea.fields import node_strain, point_positions, von_mises_fields
 from fea.finger import MESHES as FINGER_MESHES
-from fea.finger import analyse_finger, finger_model
+from fea.finger import PressurePath, analyse_finger, finger_model
 from fea.geometry import JOINT_NAMES, FingerGeometry
 from fea.linear_solver import solver_name
 from fea.materials import Material
 from fea.newton import Status
 from fea.path import Step, Sweep
 from fea.quality import mesh_quality
+from fea.tip_wall import tip_wall
+
+
+@dataclass(frozen=True, kw_only=True)
+class FingerCase:
+    """What is done with the complete finger.
+
+    Attributes
+    ----------
+    friction : float
+        Coulomb's coefficient of silicone on TPU, 0 to 2. Choice: 0.3; no measured value was found.
+    unload : bool
+        Go back to zero pressure.
+    sensor_distance_m : float or None
+        Distance of a wall in front of the tip; None: the tip is free.
+    """
+
+    friction: float = 0.3
+    unload: bool = True
+    sensor_distance_m: float | None = None
+
+    def __post_init__(self) -> None:
+        ContactOptions(friction=self.friction)
+        if self.sensor_distance_m is not None and not 0.0 < self.sensor_distance_m < 0.2:
+            raise ValueError(f"sensor_distance_m = {self.sensor_distance_m} must lie in (0, 0.2) m")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Setup:
-    """What is analysed: dimensions, materials, mesh density, rings or none."""
+    """What is analysed: dimensions, materials, mesh density, rings or none, and what the finger goes through."""
 
     geometry: FingerGeometry
     silicone: Material
@@ -34,6 +60,7 @@ class Setup:
     pet: Material
     density: Density
     rings: bool = True
+    finger: FingerCase = FingerCase()
 
     def identity(self, analysis: str, levels: Sequence[float]) -> dict[str, Any]:
         """Return what tells a run of this setup from others (:class:`fea.checkpoint.Checkpoints`)."""
@@ -44,6 +71,7 @@ class Setup:
             "materials": [dict(m.parameters) for m in materials],
             "mesh": [asdict(self.density.actuator), asdict(self.density.exoskeleton), self.rings],
             "loads": list(levels),
+            "finger": asdict(self.finger),
             "code": code_version(),
         }
 
@@ -58,6 +86,7 @@ class Setup:
             },
             "density": self.density.name,
             "rings": self.rings,
+            "finger": asdict(self.finger),
             "linear_solver": solver_name(),
             "element_kernels": kernel_name(),
             "code_sha256": code_version(),
@@ -131,19 +160,30 @@ def exoskeleton_study(setup: Setup, loads_n: Sequence[float], sweep: Sweep) -> S
 
 
 def finger_study(setup: Setup, pressures_pa_gauge: Sequence[float], sweep: Sweep) -> Study:
-    """Analysis (iii): inflate the actuator inside the exoskeleton."""
-    model = finger_model(setup.geometry, setup.silicone, setup.pet, setup.tpu, FINGER_MESHES[setup.density.name])
+    """Analysis (iii): inflate the actuator inside the exoskeleton, and deflate it again."""
+    case, g = setup.finger, setup.geometry
+    contact = ContactOptions(friction=case.friction, count_once=True)
+    mesh = FINGER_MESHES[setup.density.name]
+    model = finger_model(g, setup.silicone, setup.pet, setup.tpu, mesh, contact=contact)
+    wall = None
+    if case.sensor_distance_m is not None:
+        wall = tip_wall(model.solid.mesh, g, distance_m=case.sensor_distance_m)
     sweep, kept = _keeping(sweep)
-    result = analyse_finger(model, setup.geometry, list(pressures_pa_gauge), sweep=sweep)
-    states = [np.zeros_like(model.solid.mesh.points_m), *(kept[p] for p in result.pressure_pa_gauge[1:])]
+    result = analyse_finger(model, g, pressures_pa_gauge, unload=case.unload, wall=wall, sweep=sweep)
+    parameters = PressurePath(tuple(pressures_pa_gauge), case.unload).targets[: len(result.branch) - 1]
+    states = [np.zeros_like(model.solid.mesh.points_m), *(kept[parameter] for parameter in parameters)]
     figures = {
-        "branch": ["loading"] * len(states),
+        "branch": list(result.branch),
         "pressure_pa_gauge": result.pressure_pa_gauge.tolist(),
         "tip_angle_deg": np.rad2deg(result.tip_angle_rad).tolist(),
         "joint_rotation_rad": result.joint_angle_rad.tolist(),
         "tip_displacement_m": result.tip_displacement_m.tolist(),
         "volume_m3": result.volume_m3.tolist(),
+        "tip_force_n": result.tip_force_n.tolist(),
         "contact_force_n": result.contact_force_n.tolist(),
+        "contact_pressure_pa": result.contact_pressure_pa.tolist(),
+        "slip_m": result.slip_m.tolist(),
+        "max_von_mises_strain": [_silicone_maximum(model.solid, u)[0] for u in states],
     }
     return _study(model.solid, result, result.pressure_pa_gauge, states, figures)
 

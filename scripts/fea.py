@@ -1,4 +1,4 @@
-"""Finite-element analyses of the finger's parts: actuator alone and exoskeleton alone."""
+"""Finite-element analyses: the actuator alone, the exoskeleton alone, the complete finger."""
 
 import sys
 from argparse import BooleanOptionalAction
@@ -12,27 +12,29 @@ if sys.path and Path(sys.path[0]).resolve() == Path(__file__).resolve().parent:
     # started by its path: the folder of this script would hide the package ``fea`` behind the script itself
     sys.path[0] = str(Path(__file__).resolve().parents[1])
 
-import numpy as np
 from tqdm import tqdm
 
 from assets import asset_path
 from fea.checkpoint import Checkpoints
 from fea.density import DENSITIES
 from fea.exoskeleton import LOADS_N
-from fea.finger import PRESSURES_PA_GAUGE
+from fea.finger import PRESSURES_PA_GAUGE, PressurePath
 from fea.geometry import FingerGeometry
 from fea.inputs import check_loads, check_pressures
 from fea.materials import VOLUMETRIC_READINGS, Material, load_material
 from fea.newton import Status
 from fea.path import Step, Sweep
 from fea.results import write_results
-from fea.study import Setup, Study, actuator_study, exoskeleton_study, finger_study
+from fea.study import FingerCase, Setup, Study, actuator_study, exoskeleton_study, finger_study
+from fea.tip_wall import SENSOR_DISTANCE_M
 from scripts import _cli
 
 EXAMPLES = """examples:
   fea.py actuator --mesh coarse --pressures 10,20,30,40 --json out/actuator.json
   fea.py actuator --silicone ecoflex-00-50/set1 --volumetric d1_literal --no-rings --pressures 2,4,6
   fea.py actuator --dimension actuator_inner_radius_m=0.0032 --out out/thin   # VTU, pictures, checkpoint
+  fea.py finger --mesh coarse --friction 0.3 --json out/finger.json --out out/finger    # up to 80 kPa and back
+  fea.py finger --mesh coarse --blocked --no-unload --json out/blocked.json             # tip force at 40 mm
   fea.py exoskeleton --tpu ninjaflex/set2 --json out/exoskeleton.json --out out/exoskeleton
 A killed run with --out goes on from its last converged step when the same command is given again.
 """
@@ -43,8 +45,8 @@ PATH_ENDED_EARLY = 1
 class Analysis:
     """One subcommand: how its loads are given, checked and swept, and how its results are drawn.
 
-    ``level`` maps the load path's parameter to the load in SI units, ``curve`` names a figure and its label; several
-    analyses may share an option.
+    ``targets`` gives the load path's parameters at which states are asked for, ``curve`` names a figure and its label;
+    several analyses may share an option.
     """
 
     help: str
@@ -56,7 +58,7 @@ class Analysis:
     check: Callable[[Sequence[float]], None]
     study: Callable[[Setup, Sequence[float], Sweep], Study]
     curve: tuple[str, str]
-    level: Callable[[float], float] = lambda parameter: parameter
+    targets: Callable[[Setup, Sequence[float]], list[float]] = lambda _, levels: list(levels)
 
 
 ANALYSES = {
@@ -81,7 +83,7 @@ ANALYSES = {
         check=check_loads,
         study=exoskeleton_study,
         curve=("tip_deflection_m", "tip deflection / m"),
-        level=lambda parameter: max(0.0, parameter - 1.0),  # 0 to 1 brings in the self-weight
+        targets=lambda _, loads: [1.0, *(1.0 + load for load in loads)],  # 0 to 1 brings in the self-weight
     ),
     "finger": Analysis(
         help="complete finger: actuator inside exoskeleton with contact",
@@ -92,6 +94,7 @@ ANALYSES = {
         loads_help="increasing gauge pressures in kPa",
         check=check_pressures,
         study=finger_study,
+        targets=lambda setup, pressures: PressurePath(tuple(pressures), setup.finger.unload).targets,
         curve=("tip_angle_deg", "tip angle / degrees"),
     ),
 }
@@ -114,6 +117,16 @@ def parser() -> _cli.Parser:
     p.add_argument("--silicone", default="ecoflex-00-50/set3", help="sheet/set, or FILE.toml/set (%(default)s)")
     p.add_argument("--tpu", default="ninjaflex/set3", help="sheet/set of the exoskeleton (%(default)s)")
     p.add_argument("--thread", default="pet/paper", help="sheet/set of the rings, linear elastic (%(default)s)")
+    p.add_argument("--friction", type=float, help=f"finger: Coulomb's coefficient ({FingerCase().friction:g})")
+    p.add_argument("--unload", action=BooleanOptionalAction, help="finger: back to zero pressure (yes)")
+    p.add_argument(
+        "--blocked",
+        nargs="?",
+        type=_cli.positive_float,
+        const=1e3 * SENSOR_DISTANCE_M,
+        metavar="MM",
+        help="finger: a force sensor in front of the tip (%(const)g mm)",
+    )
     p.add_argument(
         "--volumetric", choices=VOLUMETRIC_READINGS, help="reading of the volumetric term (default: the sheet's own)"
     )
@@ -175,7 +188,20 @@ def _setup(args: Any) -> Setup:
         pet=_material("--thread", args.thread, None),
         density=DENSITIES[args.mesh],
         rings=args.rings,
+        finger=_finger_case(args),
     )
+
+
+def _finger_case(args: Any) -> FingerCase:
+    given = {
+        "friction": args.friction,
+        "unload": args.unload,
+        "sensor_distance_m": None if args.blocked is None else 1e-3 * args.blocked,
+    }
+    given = {name: value for name, value in given.items() if value is not None}
+    if given and args.analysis != "finger":
+        raise ValueError(f"--friction, --unload and --blocked are not options of {args.analysis}")
+    return FingerCase(**given)
 
 
 def _material(option: str, text: str, volumetric: str | None) -> Material:
@@ -198,14 +224,14 @@ def _run(args: Any, analysis: Analysis, setup: Setup, levels: list[float]) -> St
     if args.out is not None:
         checkpoints = Checkpoints(args.out / "checkpoint", setup.identity(args.analysis, levels))
         resume = checkpoints.load()
-    with tqdm(total=len(levels), desc=args.analysis, unit="level") as bar:
+    targets = analysis.targets(setup, levels)
+    with tqdm(total=len(targets), desc=args.analysis, unit="level") as bar:
 
         def on_iteration(parameter: float, iteration: int, residual: float) -> None:
-            at = analysis.level(parameter) / analysis.scale
-            bar.set_postfix_str(f"{at:g} {analysis.unit}, iteration {iteration}, residual {residual:.1e}")
+            bar.set_postfix_str(f"path at {parameter:g}, iteration {iteration}, residual {residual:.1e}")
 
         def count(step: Step) -> None:
-            bar.update(int(np.isclose(analysis.level(step.parameter), levels, rtol=1e-9, atol=0.0).any()))
+            bar.update(int(step.parameter in targets))
 
         def on_step(step: Step) -> None:
             if checkpoints is not None:
