@@ -16,6 +16,7 @@ from tqdm import tqdm
 
 from assets import asset_path
 from fea.checkpoint import code_version
+from fea.contact import ContactOptions
 from fea.finger import FORMULATIONS, MESHES, PRESSURES_PA_GAUGE
 from fea.geometry import FingerGeometry
 from fea.materials import VOLUMETRIC_READINGS
@@ -241,6 +242,8 @@ def _check(args: Any, table: Table) -> None:
         raise ValueError("--percent, --by-mm: give one of them")
     if args.unload and not has_unloading():
         raise ValueError("--unload: the analysis has no unloading branch")
+    if args.friction is not None:
+        ContactOptions(friction=args.friction)  # refuses it by name
     _cli.check_writable(args.json)
 
 
