@@ -53,7 +53,7 @@ def convergence(runs: Sequence[Run], pressures_pa: Sequence[float]) -> str:
         body.append(
             [
                 *(case["mesh"], case["formulation"], case["volumetric"], str(run.get("dofs", NONE))),
-                *(text(at(run, "tip_angle_deg", p)) for p in pressures_pa),
+                *(text(at(run, "tip_angle_deg", p), ".2f") for p in pressures_pa),
                 _change(run, finest, "tip_angle_deg", last),
                 text(at(run, "volume_m3", last), ".3f", 1e6),
                 _change(run, finest, "volume_m3", last),
@@ -117,7 +117,7 @@ def sensitivity(base: Run, varied: Sequence[Run], pressure_pa: float) -> str:
                 *(name, f"{scale * value:.4g} {sign}"),
                 " / ".join(f"{scale * run['change']:+.3g}" for run in both),
                 " / ".join(text(a, ".2f") for a in angles),
-                *(text(relative, "+.2f"), text(slope, "+.2f", 1e-4 if unit == "m" else np.pi / 180.0)),
+                *(text(relative, "+.2f"), text(slope, "+.3f", 1e-4 if unit == "m" else np.pi / 180.0)),
                 "; ".join(remarks),
             ]
         )

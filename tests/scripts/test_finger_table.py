@@ -55,7 +55,7 @@ def test_convergence_compares_with_the_finest_quadratic_run_of_the_same_reading(
     assert len({len(row) for row in table}) == 1
     head, body = table[0], table[2:]
     angle, change = head.index("75 kPa, degrees"), head.index("angle, change")
-    assert [row[angle] for row in body] == ["99.0", "100.0", "3.0", "50.0", "-", "-"]
+    assert [row[angle] for row in body] == ["99.00", "100.00", "3.00", "50.00", "-", "-"]
     assert [row[change] for row in body] == ["-1.00 %", "finest", "-97.00 %", "finest", "-", "-"]
     assert body[0][head.index("volume at 75 kPa, ml")] == "3.000"
     assert body[0][head.index("memory, GB")] == "2.50"
