@@ -2,8 +2,8 @@
 
 A barrier on the distance of the surfaces' linear facets keeps every state free of penetration: its energy grows
 without bound as a gap closes and is zero beyond the activation distance. Six-node faces are split into four facets
-through their mid-edge nodes, so that contact acts on the nodes of the mesh itself. ipctk is an optional dependency.
-Friction is in :mod:`fea.friction`.
+through their mid-edge nodes, so that contact acts on the nodes of the mesh itself; a three-node face is one. ipctk is
+an optional dependency. Friction is in :mod:`fea.friction`.
 """
 
 import importlib
@@ -18,7 +18,7 @@ from fea.lattice import SolidMesh
 from fea.newton import ContactState
 
 _MM = 1e3  # ipctk works in mm, MPa and N: its tolerances are absolute
-_FACETS = ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5))
+_FACETS = {6: ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)), 3: ((0, 1, 2),)}  # by the nodes of a face
 _JITTER_MM = 1e-4
 """Choice: noise on the surfaces' positions; exactly parallel edges of aligned lattices are degenerate pairs."""
 
@@ -65,7 +65,7 @@ class SurfaceContact:
     Parameters
     ----------
     mesh : SolidMesh
-    first, second : arrays [n_faces, 6]
+    first, second : arrays [n_faces, 6] or [n_faces, 3]
         Faces of the surfaces (:func:`fea.lattice.free_faces`).
     options : ContactOptions
 
@@ -88,7 +88,8 @@ class SurfaceContact:
         on_first = np.arange(len(self.nodes)) < len(ours)
         local = np.zeros(len(mesh.points_m), dtype=np.int64)
         local[self.nodes] = np.arange(len(self.nodes))
-        faces = np.concatenate([local[f[:, list(k)]] for f in (first, second) for k in _FACETS]).astype(np.int32)
+        facets = _FACETS[first.shape[1]]
+        faces = np.concatenate([local[f[:, list(k)]] for f in (first, second) for k in facets]).astype(np.int32)
         jitter = np.random.default_rng(0).uniform(-_JITTER_MM, _JITTER_MM, (len(self.nodes), 3))
         self._rest = mesh.points_m[self.nodes] * _MM + jitter
         self._n_nodes = len(mesh.points_m)
@@ -158,11 +159,11 @@ class SurfaceContact:
     def contact_pressure_pa(self, u_m: F64) -> F64:
         """Return the normal contact pressure on ``first_nodes`` [n_first], over undeformed areas.
 
-        First each six-node face gets its share of its nodes' forces over its area, then each node the mean of its
-        faces: on quadratic elements a uniform pressure gives no force at vertices, so single nodes would tell nothing.
+        First each face gets its share of its nodes' forces over its area, then each node the mean of its faces: on
+        quadratic elements a uniform pressure gives no force at vertices, so single nodes would tell nothing.
         """
         force = np.linalg.norm(self.evaluate(u_m).force_n[self.first_nodes], axis=1)
-        share, n = self._facet_area_m2, len(force)  # [n_faces, 6]
+        share, n = self._facet_area_m2, len(force)  # [n_faces, 6 or 3]
         area = np.bincount(self._first.ravel(), share.ravel(), minlength=n)
         face = (force[self._first] * share / area[self._first]).sum(axis=1) / share.sum(axis=1)
         return np.asarray(np.bincount(self._first.ravel(), (share * face[:, None]).ravel(), minlength=n) / area)
@@ -219,9 +220,9 @@ class SurfaceContact:
 
 
 def _facet_areas(points_m: F64) -> F64:
-    """Return the area that belongs to each node of six-node faces [n, 6, 3]: a third of its facets'."""
+    """Return the area that belongs to each node of faces [n, 6 or 3, 3]: a third of its facets'."""
     area = np.zeros(points_m.shape[:2])
-    for facet in _FACETS:
+    for facet in _FACETS[points_m.shape[1]]:
         a, b, c = np.moveaxis(points_m[:, list(facet)], 1, 0)
         area[:, list(facet)] += np.linalg.norm(np.cross(b - a, c - a), axis=1)[:, None] / 6.0
     return area

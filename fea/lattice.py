@@ -102,7 +102,7 @@ def build_mesh(*lattices: Lattice) -> SolidMesh:
 
 
 def free_faces(mesh: SolidMesh, where: Callable[[F64], np.ndarray]) -> I64:
-    """Return the six nodes of boundary faces all of whose vertices satisfy a condition.
+    """Return the nodes of boundary faces all of whose vertices satisfy a condition.
 
     Parameters
     ----------
@@ -112,18 +112,21 @@ def free_faces(mesh: SolidMesh, where: Callable[[F64], np.ndarray]) -> I64:
 
     Returns
     -------
-    array [n_faces, 6]
-        Vertices and mid-edge nodes, normals *into* the solid, that is out of a cavity.
+    array [n_faces, 6] or [n_faces, 3]
+        Vertices and, on 10-node elements, mid-edge nodes; normals *into* the solid, that is out of a cavity.
     """
-    faces = np.concatenate([mesh.elements[:, local] for local in _LOCAL_FACES])
+    local_faces, turned = np.array(_LOCAL_FACES), [0, 2, 1, 5, 4, 3]
+    if mesh.elements.shape[1] == 4:
+        local_faces, turned = local_faces[:, [0, 1, 2, 6]], turned[:3]
+    faces = np.concatenate([mesh.elements[:, local] for local in local_faces])
     keys = np.sort(faces[:, :3], axis=1)
     _, first, counts = np.unique(keys, axis=0, return_index=True, return_counts=True)
     faces = faces[first[counts == 1]]
     faces = faces[where(mesh.cylindrical[faces[:, :3]]).all(axis=1)]
-    p = mesh.points_m[faces[:, [0, 1, 2, 6]]]
+    p = mesh.points_m[faces[:, [0, 1, 2, -1]]]
     normal = np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
     inward = np.einsum("fi,fi->f", normal, p[:, 3] - p[:, 0]) > 0.0
-    return np.asarray(np.where(inward[:, None], faces[:, :6], faces[:, [0, 2, 1, 5, 4, 3]]), dtype=np.int64)
+    return np.asarray(np.where(inward[:, None], faces[:, :-1], faces[:, turned]), dtype=np.int64)
 
 
 def symmetry_nodes(mesh: SolidMesh) -> I64:

@@ -17,6 +17,8 @@ from scripts.fea import main
 
 ROOT = Path(fea.__file__).parents[1]
 RUN = ["exoskeleton", "--mesh", "coarse", "--loads", "0.01,0.02,0.03,0.05", "--no-pictures"]
+# four rings: a fifth of the cells, and the silicone bulges against the tube between them
+FINGER = ["finger", "--mesh", "coarse", "--pressures", "2,4,6,7", "--dimension", "ring_count=4", "--no-pictures"]
 
 
 def step(parameter):
@@ -60,23 +62,14 @@ def test_run_killed_in_mid_sweep_resumes_to_the_same_curve(tmp_path, capsys):
     assert main([*RUN, "--json", str(whole)]) == 0
     out, broken = tmp_path / "out", tmp_path / "broken.json"
     again = [*RUN, "--json", str(broken), "--out", str(out)]
-    process = subprocess.Popen(
-        [sys.executable, "scripts/fea.py", *again], cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-    )
-    third = out / "checkpoint" / "step-0003.npz"
-    deadline = time.monotonic() + 60.0
-    while not third.exists() and process.poll() is None and time.monotonic() < deadline:
-        time.sleep(0.005)
-    process.kill()
-    assert process.wait() == -signal.SIGKILL
-    done = len(list(third.parent.glob("step-*.npz")))
+    done = kill_in_mid_sweep(again, out / "checkpoint", after=3)
     assert 3 <= done < 10  # two steps to each of five levels
     assert not broken.exists()
 
     capsys.readouterr()
     assert main(again) == 0
     assert f"resumed after {done} steps" in capsys.readouterr().err
-    assert len(list(third.parent.glob("step-*.npz"))) == 10
+    assert len(list((out / "checkpoint").glob("step-*.npz"))) == 10
     a, b = (json.loads(file.read_text()) for file in (whole, broken))
     assert a["load_n"] == b["load_n"]
     for key in ("tip_deflection_m", "joint_rotation_rad", "max_von_mises_stress_pa"):
@@ -88,3 +81,36 @@ def test_run_killed_in_mid_sweep_resumes_to_the_same_curve(tmp_path, capsys):
     assert main([*again, "--tpu", "ninjaflex/set1"]) == 2
     assert "materials differ" in capsys.readouterr().err
     assert len(list(out.glob("fields-*.vtu"))) == 5
+
+
+def test_finger_in_contact_killed_in_mid_sweep_resumes_to_the_same_curve(tmp_path, capsys):
+    whole, broken, out = tmp_path / "whole.json", tmp_path / "broken.json", tmp_path / "out"
+    assert main([*FINGER, "--json", str(whole)]) == 0
+    again = [*FINGER, "--json", str(broken), "--out", str(out)]
+    done = kill_in_mid_sweep(again, out / "checkpoint", after=2)
+    assert not broken.exists()
+
+    capsys.readouterr()
+    assert main(again) == 0
+    assert f"resumed after {done} steps" in capsys.readouterr().err
+    assert len(list((out / "checkpoint").glob("step-*.npz"))) > done
+    a, b = (json.loads(file.read_text()) for file in (whole, broken))
+    assert a["pressure_pa_gauge"] == b["pressure_pa_gauge"]
+    assert a["contact_force_n"][-1] > 0.0
+    assert len(a["tip_angle_deg"]) >= 5
+    for key in ("tip_angle_deg", "joint_rotation_rad", "tip_displacement_m", "volume_m3"):
+        np.testing.assert_allclose(b[key], a[key], rtol=1e-4)
+
+
+def kill_in_mid_sweep(argv, checkpoints: Path, after: int) -> int:
+    """Start ``scripts/fea.py``, kill it once it has written some steps; return how many there are."""
+    process = subprocess.Popen(
+        [sys.executable, "scripts/fea.py", *argv], cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    )
+    deadline = time.monotonic() + 60.0
+    awaited = checkpoints / f"step-{after:04d}.npz"
+    while not awaited.exists() and process.poll() is None and time.monotonic() < deadline:
+        time.sleep(0.005)
+    process.kill()
+    assert process.wait() == -signal.SIGKILL
+    return len(list(checkpoints.glob("step-*.npz")))

@@ -7,6 +7,7 @@ from fea.assembly import Load, SolidModel
 from fea.contact import ContactOptions, SurfaceContact
 from fea.lattice import Lattice, build_mesh, free_faces, symmetry_nodes
 from fea.laws import StVenantKirchhoff
+from fea.meshes import linear_mesh
 from fea.newton import NewtonOptions, Status, solve_equilibrium
 from fea.workspace import workspace
 
@@ -31,6 +32,7 @@ class Blocks:
     contact: SurfaceContact
     lower: np.ndarray
     upper: np.ndarray
+    area_m2: float
 
     def shifted(self, distance: float) -> np.ndarray:
         u = np.zeros_like(self.model.mesh.points_m)
@@ -38,10 +40,13 @@ class Blocks:
         return u
 
 
-@pytest.fixture(scope="module")
-def blocks() -> Blocks:
+@pytest.fixture(scope="module", params=["P1", "P2"])
+def blocks(request) -> Blocks:
     """Two half discs, one above the other; the outer faces keep u_z, and one node of each keeps u_x."""
     mesh = build_mesh(block(0.0, 2, 0), block(HEIGHT + GAP, 1, 1))
+    # four chords of 45 degrees instead of the arc
+    area = {"P1": 0.5 * RADIUS**2 * 4.0 * np.sin(np.pi / 4.0), "P2": 0.5 * np.pi * RADIUS**2}[request.param]
+    mesh = linear_mesh(mesh) if request.param == "P1" else mesh
     z = mesh.cylindrical[:, 2]
     fixed = np.zeros((len(z), 3), dtype=bool)
     fixed[symmetry_nodes(mesh), 1] = True
@@ -52,7 +57,7 @@ def blocks() -> Blocks:
     model = SolidModel(mesh=mesh, laws={0: law, 1: law}, fixed=fixed)
     faces = [free_faces(mesh, lambda c, at=at: np.isclose(c[..., 2], at)) for at in (HEIGHT, HEIGHT + GAP)]
     contact = SurfaceContact(mesh, *faces, ContactOptions(stiffness_pa=YOUNG))
-    return Blocks(model, contact, z <= HEIGHT + 1e-9, z > HEIGHT + 1e-9)
+    return Blocks(model, contact, z <= HEIGHT + 1e-9, z > HEIGHT + 1e-9, area)
 
 
 def test_pressed_blocks_transmit_the_force_of_uniaxial_compression(blocks):
@@ -73,9 +78,11 @@ def test_pressed_blocks_transmit_the_force_of_uniaxial_compression(blocks):
     strain = (0.12e-3 - (GAP - gap)) / (2.0 * HEIGHT)
     # half disc in uniaxial stress, St Venant-Kirchhoff: P = E (l^3 - l) / 2
     stretch = 1.0 - strain
-    expected = 0.5 * YOUNG * (stretch - stretch**3) * 0.5 * np.pi * RADIUS**2
+    expected = 0.5 * YOUNG * (stretch - stretch**3) * blocks.area_m2
     assert force == pytest.approx(expected, rel=0.05)  # curved sides and the barrier's edge rows
     assert 0.0 < blocks.contact.minimum_gap_m(outcome.u_m, within_m=GAP) < 0.1e-3
+    pressure = blocks.contact.contact_pressure_pa(outcome.u_m)
+    assert np.median(pressure) == pytest.approx(force / blocks.area_m2, rel=0.05)
 
 
 def test_force_and_hessian_are_derivatives_of_the_energy(blocks):
