@@ -36,9 +36,14 @@ class FingerGeometry:
     ring_height_m: float = _choice(0.5e-3, "0.5 mm x 0.5 mm gives the paper's section of 0.25 mm^2")
     clearance_m: float = _choice(0.2e-3, "sliding fit of the actuator in the printed tube")
     tube_wall_m: float = _choice(2.0e-3, "the paper's minimum wall: lightest printable exoskeleton")
-    sector_half_angle_rad: float = _choice(pi / 3.0, "palm sector kept in the joints: bends one way, resists twist")
-    flexure_thickness_m: float = _choice(3.0e-3, "chosen so that the calibrated finger reaches 95 degrees at 75 kPa")
-    gap_length_m: float = _choice(8.2e-3, "lets a joint turn 40 degrees before its dorsal edges part by 7 mm")
+    sector_half_angle_rad: float = _choice(
+        64.0 * pi / 180.0,
+        "analysis (iii) at calibration density reaches 95 degrees at 75 kPa; a degree costs 2.4 degrees",
+    )
+    flexure_thickness_m: float = _choice(3.3e-3, "between wall and human finger width; a weak handle on the angle")
+    gap_length_m: float = _choice(
+        5.0e-3, "a study of the complete finger: longer gaps let the actuator lift out of the middle one below 80 kPa"
+    )
     gap_start_m: tuple[float, float, float] = _choice((5.4e-3, 36.0e-3, 60.0e-3), "human proportions of the phalanges")
     end_plate_m: float = _choice(2.0e-3, "the paper's minimum wall; carries the thrust of the cap")
 

@@ -6,6 +6,7 @@ import scipy.sparse as sp
 
 from fea.actuator import ActuatorMesh, actuator_model
 from fea.assembly import Load, element_forces
+from fea.contact import ContactOptions
 from fea.exoskeleton import ExoskeletonMesh
 from fea.finger import OPTIONS, TPU, FingerMesh, analyse_finger, finger_lattices, finger_model
 from fea.geometry import FingerGeometry
@@ -172,3 +173,24 @@ def tpu_section(solid, geometry, u_m, joint: int) -> tuple[float, float]:
     pull = np.linalg.norm(f.sum(axis=0))
     moment = -(arm[:, 2] * f[:, 0] - arm[:, 0] * f[:, 2]).sum()
     return float(pull), float(abs(moment))
+
+
+def test_friction_alone_parts_the_branches(slim, materials):
+    """Without friction the way back is the way there; with it the gas gives back less work than it did."""
+    rows = {}
+    for mu in (0.0, 0.8):
+        contact = ContactOptions(friction=mu, count_once=True)
+        m = finger_model(slim, materials.silicone, materials.pet, materials.tpu, MESH, contact=contact)
+        options = replace(OPTIONS, relative_tolerance=1e-6)
+        rows[mu] = analyse_finger(m, slim, [4e3, 8e3], unload=True, options=options)
+        assert rows[mu].status is Status.CONVERGED
+        assert rows[mu].branch == ("loading",) * 3 + ("unloading",) * 2
+    free, rough = rows[0.0], rows[0.8]
+    assert free.tip_angle_rad[3] == pytest.approx(free.tip_angle_rad[1], rel=1e-5)
+    assert abs(free.tip_angle_rad[4]) < 1e-5 * free.tip_angle_rad[2]
+    assert rough.tip_angle_rad[2] < free.tip_angle_rad[2]
+    assert rough.tip_angle_rad[3] > rough.tip_angle_rad[1] * 1.0002
+    work = {mu: float(np.trapezoid(r.pressure_pa_gauge, r.volume_m3)) for mu, r in rows.items()}
+    assert work[0.8] > 20.0 * abs(work[0.0])
+    assert (rough.slip_m[1:] > 0.0).all()
+    assert (rough.contact_pressure_pa[1:4] > 0.0).all()
