@@ -59,7 +59,7 @@ MESHES = {
     ),
 }
 """Choice: 35,000 degrees of freedom with one cell a ring gap; 80,000 and 256,000 with two. At 2 kPa a second cell a
-ring gap raises the angle by 6.6 %, a third and fourth by another 0.6 %; calibration is 0.5 % below reference (measured).
+ring gap raises the angle by 6.6 %, a third and fourth by another 0.6 %; calibration is 0.5 % below reference.
 """
 
 

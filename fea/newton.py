@@ -86,7 +86,8 @@ class NewtonOptions:
     Attributes
     ----------
     relative_tolerance : float
-        Convergence when |internal - external| <= tolerance x the largest of their norms and the reactions'.
+        Convergence when |internal - external| <= tolerance x the largest of their norms and the reactions', now or at
+        the start of the solve.
     step_cap_m : float
         Largest nodal displacement of one iteration.
     max_iterations, patience : int
@@ -158,14 +159,16 @@ class _Solve:
     watch: Stopwatch
 
     def run(self, u_m: F64, balanced: Load, on_iteration: Callable[[int, float], None]) -> Outcome:
-        u, options, carried = u_m.copy(), self.options, balanced
+        u, options, carried, start = u_m.copy(), self.options, balanced, 0.0
         for iteration in range(options.max_iterations + 1):
             with self.watch.time("assembly"):
                 state = self.work.model.evaluate(u, carried)
             if state is None or state.tangent is None:
                 return Outcome(status=Status.INVERTED, u_m=u, iterations=iteration, residual=np.inf)
             imbalance, tangent = self._system(u, state, state.tangent)
-            relative = float(np.linalg.norm(imbalance)) / _scale(state)
+            # a step that ends without load is measured against the forces that it started with
+            start = start or _scale(state)
+            relative = float(np.linalg.norm(imbalance)) / max(start, _scale(state))
             on_iteration(iteration, relative)
             if relative <= options.relative_tolerance and carried is self.load:
                 return Outcome(status=Status.CONVERGED, u_m=u, iterations=iteration, residual=relative)
