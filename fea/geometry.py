@@ -40,7 +40,7 @@ class FingerGeometry:
     flexure_thickness_m: float = _choice(3.3e-3, "the complete finger (analysis iii) reaches 95 degrees at 75 kPa")
     gap_length_m: float = _choice(
         6.1e-3,
-        "a study of the complete finger: shorter gaps leave more margin before the actuator lifts out of the middle gap",
+        "a study of the complete finger: shorter gaps leave more margin before the actuator lifts out of the middle",
     )
     gap_start_m: tuple[float, float, float] = _choice((5.4e-3, 36.0e-3, 60.0e-3), "human proportions of the phalanges")
     end_plate_m: float = _choice(2.0e-3, "the paper's minimum wall; carries the thrust of the cap")
