@@ -22,6 +22,8 @@ USED_ANGLE_RAD = 0.9
 """Choice: joint angles of the flexure's fit; a joint turns 0.6 rad at 80 kPa, and more where another is blocked."""
 ACTUATOR_STATES, EXOSKELETON_LOADS, FINGER_STATES = 4, 3, 6
 """Choice: states that each analysis must have reached: a cubic has three unknowns, a curve needs a few more."""
+_SOFTEST = 0.1
+"""Choice: least share of the largest stiffness that weighs an error."""
 EXTRAPOLATION = 1.05
 """Choice: how far the tendon's law may be used beyond the lengthening that analysis (i) reached."""
 
@@ -76,10 +78,11 @@ def reduce_finger(actuator: ActuatorResult, exoskeleton: ExoskeletonResult, fing
     angle = finger.joint_angle_rad[1:]
     tip = angle.sum(axis=1)
     offset = float(tip @ lengthening / (tip @ tip))
-    thrust = np.array(
-        [p * chamber.area(d) - tendon(d) for p, d in zip(finger.pressure_pa_gauge[1:], offset * tip, strict=True)]
-    )
-    proximal, middle, distal = (fit_joint(q, offset * thrust, flexure.law) for q in angle.T)
+    states = list(zip(finger.pressure_pa_gauge[1:], offset * tip, strict=True))
+    torque = offset * np.array([p * chamber.area(d) - tendon(d) for p, d in states])
+    # what the tendon's elongation adds to a joint's stiffness when all three turn alike, less what the pressure takes
+    tied = 3.0 * offset**2 * np.array([tendon.slope(d) - p * chamber.area_slope_m for p, d in states])
+    proximal, middle, distal = (fit_joint(q, torque, tied, flexure.law) for q in angle.T)
     surrogate = Surrogate(
         offset_m=(offset, offset, offset), joints=(proximal, middle, distal), tendon=tendon, chamber=chamber
     )
@@ -147,12 +150,17 @@ def fit_flexure(exoskeleton: ExoskeletonResult) -> tuple[Flexure, dict[str, floa
     }
 
 
-def fit_joint(angle_rad: F64, torque_n_m: F64, flexure: Cubic) -> Cubic:
+def fit_joint(angle_rad: F64, torque_n_m: F64, tied_n_m_per_rad: F64, flexure: Cubic) -> Cubic:
     """Flexure plus a monotone law of its own for the rest, the actuator's bending, which softens as it lifts.
 
-    Beyond the angles of (iii) the slope is therefore never below that of the flexure alone.
+    Beyond the angles of (iii) the slope is therefore never below that of the flexure alone. Errors are weighed by the
+    angle that they are worth, torque over stiffness (the joint's own and ``tied_n_m_per_rad``, [n], what the tendon
+    adds): a finger near its largest pressure is soft.
     """
-    return flexure + fit_monotone(angle_rad, torque_n_m - np.array([flexure(q) for q in angle_rad]))
+    rest = torque_n_m - np.array([flexure(q) for q in angle_rad])
+    first = flexure + fit_monotone(angle_rad, rest)
+    stiffness = np.array([first.slope(q) for q in angle_rad]) + tied_n_m_per_rad
+    return flexure + fit_monotone(angle_rad, rest, 1.0 / np.maximum(stiffness, _SOFTEST * stiffness.max()))
 
 
 def fit_chamber(lengthening_m: F64, area_m2: F64, volume_m3: float) -> Chamber:
@@ -162,12 +170,13 @@ def fit_chamber(lengthening_m: F64, area_m2: F64, volume_m3: float) -> Chamber:
     return Chamber(volume_m3=volume_m3, area_m2=float(area), area_slope_m=float(slope))
 
 
-def fit_monotone(x: F64, y: F64) -> Cubic:
-    """Least-squares cubic through the origin with a slope that is nowhere negative.
+def fit_monotone(x: F64, y: F64, weight: F64 | None = None) -> Cubic:
+    """Least-squares cubic through the origin with a slope that is nowhere negative; ``weight`` multiplies the errors.
 
     a = s^2, c = t^2, b = sqrt(3) s t sin(phi) satisfies b^2 <= 3 a c for any s, t, phi.
     """
     scale_x, scale_y = float(np.abs(x).max()), float(np.abs(y).max())
+    share = np.ones_like(x) if weight is None else weight / weight.max()
 
     def coefficients(q: F64) -> F64:
         return np.array([q[0] ** 2, sqrt(3.0) * q[0] * q[1] * np.sin(q[2]), q[1] ** 2])
@@ -175,7 +184,7 @@ def fit_monotone(x: F64, y: F64) -> Cubic:
     def error(q: F64) -> F64:
         a, b, c = coefficients(q)
         u = x / scale_x
-        return np.asarray(u * (a + u * (b + u * c)) - y / scale_y)
+        return np.asarray(share * (u * (a + u * (b + u * c)) - y / scale_y))
 
     starts = [np.array([1.0, 0.3, phi]) for phi in (-0.5 * pi + 0.2, 0.0, 0.5 * pi - 0.2)]
     best = min((least_squares(error, q, xtol=1e-14, ftol=1e-14, gtol=1e-14) for q in starts), key=lambda r: r.cost)
