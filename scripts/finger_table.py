@@ -22,15 +22,15 @@ from fea.geometry import FingerGeometry
 from scripts import _cli
 
 EXAMPLES = """examples:
-  python scripts/finger_table.py --flexure 3.0 --json out/finger.json   # about 5 minutes each on two free cores
-  python scripts/finger_table.py --flexure 3.0 --to 10 --mesh coarse    # the first three pressures
+  python scripts/finger_table.py --flexure 3.3 --json out/finger.json   # a minute or two each on two free cores
+  python scripts/finger_table.py --flexure 3.3 --to 10 --mesh coarse    # the first three pressures
 """
 
 
 def parser() -> _cli.Parser:
     """Return the command line."""
     p = _cli.Parser(description=__doc__, examples=EXAMPLES)
-    p.add_argument("--flexure", type=_cli.positive_float, nargs="+", default=[3.0], metavar="MM", help="thicknesses")
+    p.add_argument("--flexure", type=_cli.positive_float, nargs="+", default=[3.3], metavar="MM", help="thicknesses")
     p.add_argument("--mesh", choices=sorted(MESHES), default="coarse", help="mesh density (%(default)s)")
     p.add_argument("--to", type=_cli.positive_float, default=80.0, metavar="KPA", help="highest pressure (%(default)s)")
     p.add_common(seed="taken for uniformity; nothing is random", json="write the curves here")
