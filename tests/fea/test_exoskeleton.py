@@ -28,12 +28,10 @@ def test_moments_are_those_of_the_weight_and_load(exoskeleton, geometry, materia
     for joint, position in enumerate(geometry.joint_position_m[:2]):
         beyond = z > position
         moment = 9.80665 * float((mass * (z - position))[beyond].sum())
-        # rotations of 10 degrees shorten the lever by a few per cent; the hinge, off the axis on the palm side, tilts
-        # away from the weight by its offset
-        angle = exoskeleton.angle_rad[0]
-        offset = exoskeleton.lengthening_m[0, joint] / angle[joint]
-        tilt = offset * (angle[:joint].sum() + 0.5 * angle[joint])
-        longest = moment + 9.80665 * float(mass[beyond].sum()) * tilt
+        # what lies beyond turns about a hinge on the palm side of its axis: a lever L becomes L cos q + r sin q
+        offset = exoskeleton.lengthening_m[0, joint] / exoskeleton.angle_rad[0, joint]
+        turned = float(exoskeleton.angle_rad[0, : joint + 1].sum())
+        longest = moment + 9.80665 * float(mass[beyond].sum()) * offset * np.sin(turned)
         assert 0.88 * moment < exoskeleton.moment_n_m[0, joint] < longest
 
 
