@@ -1,4 +1,4 @@
-"""How finely the two analyses are meshed and stepped."""
+"""How finely actuator and exoskeleton are meshed and stepped; the complete finger has meshes of the same names."""
 
 from dataclasses import dataclass
 
@@ -20,7 +20,7 @@ _COARSE = Density(
     name="coarse",
     actuator=ActuatorMesh(theta_cells=3, inner_cells=1, gap_cells=1, cap_cells=1, core_cells=1),
     exoskeleton=ExoskeletonMesh(sector_cells=2, rest_cells=3, wall_cells=1, gap_cells=3, segment_cells=2),
-    pressures_pa_gauge=tuple(1e3 * p for p in (5, 10, 15, 20, 25, 30, 35, 40)),
+    pressures_pa_gauge=tuple(1e3 * p for p in (5, 10, 15, 20, 25, 30, 35, 40, 45)),
 )
 _CALIBRATION = Density(
     name="calibration",

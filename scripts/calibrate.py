@@ -14,14 +14,15 @@ if sys.path and Path(sys.path[0]).resolve() == Path(__file__).resolve().parent:
 from tqdm import tqdm
 
 from assets import asset_path
+from fea.artifact import write_artifact
 from fea.calibration import (
+    FINGER_PRESSURES_PA_GAUGE,
     TARGET_PRESSURE_PA_GAUGE,
     Calibration,
     Materials,
     calibrate,
     choose_flexure,
     load_materials,
-    write_artifact,
 )
 from fea.density import DENSITIES, Density
 from fea.exoskeleton import LOADS_N
@@ -52,7 +53,9 @@ def parser() -> _cli.Parser:
         "--choose-flexure", action="store_true", help="find the flexure thickness that gives 95 degrees at 75 kPa"
     )
     p.add_argument("--out", type=Path, help="calibration file (assets/calibration/finger.json)")
-    p.add_common(seed="taken for uniformity; nothing is random", json="write the two analyses and the fit errors here")
+    p.add_common(
+        seed="taken for uniformity; nothing is random", json="write the three analyses and the fit errors here"
+    )
     return p
 
 
@@ -79,7 +82,7 @@ def job(argv: Sequence[str] | None = None) -> int:
 
 
 def _run(geometry: FingerGeometry, materials: Materials, density: Density, *, choose: bool) -> Calibration:
-    steps = len(density.pressures_pa_gauge) + len(LOADS_N) + 1
+    steps = len(density.pressures_pa_gauge) + len(LOADS_N) + 1 + len(FINGER_PRESSURES_PA_GAUGE)
     work: Callable[..., Calibration] = choose_flexure if choose else calibrate
     with tqdm(total=None if choose else steps, desc="load steps", unit="step") as bar:
         return work(geometry, materials, density, progress=lambda: bar.update(1))
@@ -87,7 +90,7 @@ def _run(geometry: FingerGeometry, materials: Materials, density: Density, *, ch
 
 def summary(c: Calibration, wall_s: float) -> dict[str, Any]:
     """Return what ``--json`` writes."""
-    a, x = c.actuator, c.exoskeleton
+    a, x, f = c.actuator, c.exoskeleton, c.finger
     return {
         "pressure_pa_gauge": a.pressure_pa_gauge.tolist(),
         "actuator_elongation": a.elongation.tolist(),
@@ -99,11 +102,15 @@ def summary(c: Calibration, wall_s: float) -> dict[str, Any]:
         "exoskeleton_tip_deflection_m": x.tip_deflection_m.tolist(),
         "exoskeleton_joint_angle_rad": x.angle_rad.tolist(),
         "exoskeleton_status": x.status.value,
+        "finger_pressure_pa_gauge": f.pressure_pa_gauge.tolist(),
+        "finger_joint_angle_rad": f.joint_angle_rad.tolist(),
+        "finger_volume_m3": f.volume_m3.tolist(),
+        "finger_status": f.status.value,
         "tip_angle_deg_at_75_kpa": c.fit.surrogate.tip_angle_deg(TARGET_PRESSURE_PA_GAUGE),
         "flexure_thickness_m": c.geometry.flexure_thickness_m,
         "fit_rmse": dict(c.fit.rmse),
-        "dofs": {"actuator": a.dofs, "exoskeleton": x.dofs},
-        "newton_iterations": {"actuator": a.iterations, "exoskeleton": x.iterations},
+        "dofs": {"actuator": a.dofs, "exoskeleton": x.dofs, "finger": f.dofs},
+        "newton_iterations": {"actuator": a.iterations, "exoskeleton": x.iterations, "finger": f.iterations},
         "density": c.density.name,
         "wall_s": wall_s,
     }

@@ -1,15 +1,22 @@
 import json
-from dataclasses import fields, replace
+from dataclasses import asdict, fields, replace
 
 import numpy as np
 import pytest
+from tests_fea_helpers import finger_like
 
 from assets import asset_path
 from fea.actuator import ActuatorMesh, actuator_model, analyse_actuator
-from fea.calibration import Calibration, artifact, write_artifact
+from fea.artifact import artifact, write_artifact
+from fea.calibration import Calibration
+from fea.compiled import kernel_name
 from fea.density import DENSITIES
+from fea.finger import MESHES
 from fea.geometry import FingerGeometry
-from fea.surrogate import Cubic, fit_monotone, reduce_finger
+from fea.identification import fit_chamber, fit_flexure, fit_monotone, reduce_finger
+from fea.surrogate import Chamber, Cubic, Surrogate
+
+PRESSURES = [2e3, 5e3, 10e3, 15e3, 20e3, 25e3, 30e3, 35e3, 40e3]
 
 
 @pytest.fixture(scope="module")
@@ -19,17 +26,24 @@ def shipped() -> dict:
 
 @pytest.fixture(scope="module")
 def coarse(geometry, materials, exoskeleton) -> Calibration:
-    """A fresh run on small meshes, of the whole actuator up to 20 kPa."""
+    """A fresh run on small meshes, of the whole actuator up to 20 kPa; the complete finger is made up of its parts."""
     mesh = ActuatorMesh(theta_cells=3, inner_cells=1, gap_cells=1, cap_cells=1, core_cells=1)
     model = actuator_model(geometry, materials.silicone, materials.pet, mesh)
     actuator = analyse_actuator(model, geometry, [5e3, 1e4, 1.5e4, 2e4])
+    delta = actuator.lengthening_m[1:]
+    chamber = fit_chamber(delta, actuator.thrust_area_m2[1:], float(actuator.volume_m3[0]))
+    tendon = fit_monotone(delta, actuator.pressure_pa_gauge[1:] * np.array([chamber.area(d) for d in delta]))
+    joint = fit_flexure(exoskeleton)[0].law + Cubic(a=0.013, b=-0.011, c=0.0035)
+    parts = Surrogate(offset_m=(6.2e-3, 6.2e-3, 6.2e-3), joints=(joint, joint, joint), tendon=tendon, chamber=chamber)
+    finger = finger_like(parts, PRESSURES, lambda _: 4.5e-12)
     return Calibration(
         geometry=geometry,
         materials=materials,
         density=DENSITIES["coarse"],
         actuator=actuator,
         exoskeleton=exoskeleton,
-        fit=reduce_finger(geometry, actuator, exoskeleton),
+        finger=finger,
+        fit=reduce_finger(actuator, exoskeleton, finger),
         mass_kg=0.02,
     )
 
@@ -46,7 +60,7 @@ def test_equilibrium_balances_virtual_work(coarse):
                 theta = angle.copy()
                 theta[joint] += q
                 delta = float(np.dot(s.offset_m, theta))
-                springs = sum(_integral(s.joint, t) for t in theta) + _integral(s.tendon, delta)
+                springs = sum(map(_integral, s.joints, theta)) + _integral(s.tendon, delta)
                 return springs - pressure * s.chamber.volume(delta)
 
             slope = (potential(h) - potential(-h)) / (2 * h)
@@ -72,19 +86,8 @@ def test_surrogate_returns_the_analyses_it_was_fitted_to(coarse):
         assert pressure * s.chamber.area(delta) == pytest.approx(s.tendon(delta), rel=0.02)
     for joint in (0, 1):
         near = x.angle_rad[:, joint] < 0.9
-        predicted = [s.flexure(q) for q in x.angle_rad[near, joint]]
+        predicted = [coarse.fit.flexure.law(q) for q in x.angle_rad[near, joint]]
         np.testing.assert_allclose(predicted, x.moment_n_m[near, joint], rtol=0.10)
-
-
-def test_fit_recovers_a_monotone_cubic_and_never_leaves_the_monotone_ones():
-    x = np.linspace(0.1, 1.0, 12)
-    law = Cubic(a=2.0, b=-1.5, c=0.5)
-    fitted = fit_monotone(x, np.array([law(v) for v in x]))
-    assert [fitted.a, fitted.b, fitted.c] == pytest.approx([2.0, -1.5, 0.5], rel=1e-4)
-    hump = fit_monotone(x, np.sin(3.0 * x))
-    assert min(hump.slope(v) for v in np.linspace(-2.0, 2.0, 401)) > -1e-9
-    with pytest.raises(ValueError, match="b\\^2 <= 3 a c"):
-        Cubic(a=1.0, b=2.0, c=1.0)
 
 
 def test_shipped_curve_is_monotone_and_reaches_the_stated_angle(shipped):
@@ -141,28 +144,61 @@ def test_shipped_file_agrees_with_a_fresh_coarse_run(shipped, coarse):
     assert ((ratio > 0.85) & (ratio < 1.0)).all()
     deflection = np.array(shipped["fea"]["exoskeleton"]["tip_deflection_m"])
     np.testing.assert_allclose(coarse.exoskeleton.tip_deflection_m, deflection, rtol=0.08)
-    joint, fresh = shipped["joints"][0], artifact(coarse)["joints"][0]
-    assert fresh["offset_m"] == pytest.approx(joint["offset_m"], rel=0.02)
-    assert fresh["stiffness_n_m_per_rad"] == pytest.approx(joint["stiffness_n_m_per_rad"], rel=0.15)
+    flexure, fresh = shipped["provenance"]["flexure"], coarse.fit.flexure
+    assert fresh.offset_m == pytest.approx(flexure["offset_m"], rel=0.02)
+    assert fresh.law.a == pytest.approx(flexure["stiffness_n_m_per_rad"], rel=0.15)
+
+
+def test_shipped_surrogate_is_the_complete_finger_within_a_percent(shipped):
+    """The file's own table of analysis (iii) against the equilibrium of the laws beside it."""
+    surrogate, table = _surrogate(shipped), shipped["fea"]["finger"]
+    assert table["status"] == "converged"
+    assert table["pressure_pa_gauge"][-1] == 80e3
+    for pressure, joints in zip(table["pressure_pa_gauge"][2:], table["joint_angle_rad"][2:], strict=True):
+        tip = float(np.rad2deg(np.sum(joints)))
+        assert surrogate.tip_angle_deg(pressure) == pytest.approx(tip, rel=0.01, abs=0.5)
+        np.testing.assert_allclose(surrogate.angles(pressure), joints, atol=np.deg2rad(0.5))
+
+
+def test_shipped_curve_is_the_equilibrium_of_the_shipped_laws(shipped):
+    surrogate, curve = _surrogate(shipped), shipped["curve"]
+    for pressure, joints in zip(curve["pressure_pa_gauge"], curve["joint_angle_deg"], strict=True):
+        np.testing.assert_allclose(np.rad2deg(surrogate.angles(pressure)), joints, atol=1e-6)
+
+
+def _surrogate(file: dict) -> Surrogate:
+    def cubic(law: dict) -> Cubic:
+        a, b, c = (value for key, value in law.items() if key.startswith("stiffness"))
+        return Cubic(a=a, b=b, c=c)
+
+    proximal, middle, distal = (cubic(law) for law in file["joints"])
+    return Surrogate(
+        offset_m=tuple(law["offset_m"] for law in file["joints"]),
+        joints=(proximal, middle, distal),
+        tendon=cubic(file["tendon"]),
+        chamber=Chamber(**file["chamber"]),
+    )
+
+
+def test_file_says_what_it_was_made_from(coarse):
+    """Mesh, kernels and every analysis' table; a curve ends where the complete finger's converged states end."""
+    file = artifact(coarse)
+    made = file["provenance"]
+    assert made["mesh"]["finger"] == asdict(MESHES["coarse"])
+    assert made["element_kernels"] == kernel_name()
+    assert file["fea"]["finger"]["pressure_pa_gauge"] == [0.0, *PRESSURES]
+    assert np.shape(file["fea"]["finger"]["joint_angle_rad"]) == (len(PRESSURES) + 1, 3)
+    assert file["curve"]["pressure_pa_gauge"][-1] == PRESSURES[-1]
+    assert file["finger"]["hinge_offset_m"] == coarse.fit.flexure.offset_m
+    assert file["joints"][0]["offset_m"] == coarse.fit.surrogate.offset_m[0]
 
 
 def test_a_softer_finger_bends_more_and_writing_is_repeatable(coarse, tmp_path):
     s = coarse.fit.surrogate
-    softer = replace(s, bending_n_m_per_rad=0.5 * s.bending_n_m_per_rad)
+    flexure = coarse.fit.flexure.law
+    softer = replace(s, joints=(flexure, flexure, flexure))
     assert softer.tip_angle_deg(5e4) > s.tip_angle_deg(5e4) + 1.0
     for name in ("a.json", "b.json"):
         write_artifact(coarse, tmp_path / name)
     assert (tmp_path / "a.json").read_bytes() == (tmp_path / "b.json").read_bytes()
     assert sorted(p.name for p in tmp_path.iterdir()) == ["a.json", "b.json"]
-
-
-def test_too_few_states_are_refused(coarse):
-    few = replace(
-        coarse.actuator,
-        **{
-            k: getattr(coarse.actuator, k)[:3]
-            for k in ("pressure_pa_gauge", "lengthening_m", "volume_m3", "thrust_area_m2")
-        },
-    )
-    with pytest.raises(ValueError, match="too few converged steps"):
-        reduce_finger(coarse.geometry, few, coarse.exoskeleton)

@@ -1,10 +1,15 @@
-"""Models shared by the tests of the finite-element lab."""
+"""Models and made-up results shared by the tests of the finite-element lab."""
+
+from collections.abc import Callable
 
 import numpy as np
 
 from fea.assembly import SolidModel
 from fea.cavity import Cavity
+from fea.finger import FingerResult
 from fea.lattice import Lattice, build_mesh, free_faces, symmetry_nodes
+from fea.newton import Status
+from fea.surrogate import Surrogate
 
 
 def tube_model(lattice: Lattice, laws: dict) -> SolidModel:
@@ -20,3 +25,31 @@ def tube_model(lattice: Lattice, laws: dict) -> SolidModel:
     pin = int(np.flatnonzero((z == z.min()) & np.isclose(mesh.cylindrical[:, 1], np.pi / 2))[0])
     fixed[pin, 0] = True
     return SolidModel(mesh=mesh, laws=laws, fixed=fixed, cavity=cavity)
+
+
+def finger_like(surrogate: Surrogate, pressures: list[float], bulging: Callable[[float], float]) -> FingerResult:
+    """What analysis (iii) would return if the finger were a surrogate: bulging(lengthening) is volume per pressure."""
+    pressure = np.array([0.0, *pressures])
+    angle = np.array([surrogate.angles(p) for p in pressure])
+    lengthening = [surrogate.lengthening_m(q) for q in angle]
+    volume = [surrogate.chamber.volume(d) + p * bulging(d) for p, d in zip(pressure, lengthening, strict=True)]
+    return finger_result(pressure, angle, np.array(volume))
+
+
+def finger_result(pressure, angle, volume) -> FingerResult:
+    """A result of analysis (iii) of which only angles and volume matter."""
+    zero = np.zeros_like(pressure)
+    return FingerResult(
+        pressure_pa_gauge=pressure,
+        tip_angle_rad=angle.sum(axis=1),
+        joint_angle_rad=angle,
+        tip_displacement_m=zero,
+        volume_m3=volume,
+        minimum_gap_m=zero,
+        contact_force_n=zero,
+        u_m=np.zeros((1, 3)),
+        status=Status.CONVERGED,
+        iterations=0,
+        dofs=1,
+        elements=1,
+    )

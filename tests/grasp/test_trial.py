@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 from softhand_sim.benchmark.runner import BenchmarkPlan, in_order, run_benchmark
+from softhand_sim.control.onoff import OnOffController
 from softhand_sim.grasp.protocol import LiftProtocol
 from softhand_sim.grasp.trial import prepare, run_trial
 from softhand_sim.grasp.verdict import Outcome
 from softhand_sim.objects.catalogue import make_object
+from softhand_sim.pneumatics.sensor import PressureSensor
 
 
 def without_wall_time(result):
@@ -22,10 +24,13 @@ def test_light_objects_are_held(name, calibration):
     assert result.outcome is Outcome.HELD
     assert result.lift_m == pytest.approx(0.15, abs=0.02)
     assert 0.0 < result.penetration_m < 0.002
-    # the paper's controller: never above the pressure of the set angle by more than the sensor's two counts
-    wanted = calibration.pressure_for_angle(95.0)
+    # the paper's controller vents above its dead band, as far as a reading tells it: a count of the converter and
+    # three deviations of the noise away; a law without lookahead would go over by a pulse of 4 kPa
+    wanted, sensor = calibration.pressure_for_angle(95.0), PressureSensor()
+    noise_pa = sensor.noise_v / sensor.supply_v / 0.004 * 1e3
+    over = OnOffController().dead_band_pa + sensor.resolution_pa + 3.0 * noise_pa
     for pressure in result.peak_pressure_pa_gauge.values():
-        assert 0.9 * wanted < pressure < wanted + 2 * 244.0
+        assert 0.9 * wanted < pressure < wanted + over
 
 
 @pytest.mark.parametrize("change", [{"mass_kg": 1.5}, {"friction": 0.05}])

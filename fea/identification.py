@@ -1,0 +1,208 @@
+"""Identification of the surrogate: thrust and tendon from analysis (i), the joints from the complete finger, (iii).
+
+The joints' torques are those that the thrust of (i) has at the angles of (iii): tau_j = r (p A(delta) - N(delta)). The
+flexure alone, (ii), is the part of them that is known beyond the angles of (iii) as well.
+"""
+
+from dataclasses import dataclass
+from math import pi, sqrt
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from fea.actuator import ActuatorResult
+from fea.arrays import F64
+from fea.exoskeleton import ExoskeletonResult
+from fea.finger import FingerResult
+from fea.surrogate import Chamber, Cubic, Surrogate
+
+USED_LENGTHENING_M = 17e-3
+"""Choice: the range the finger uses up to 80 kPa and beyond; thrust and tendon are fitted there."""
+USED_ANGLE_RAD = 0.9
+"""Choice: joint angles of the flexure's fit; a joint turns 0.6 rad at 80 kPa, and more where another is blocked."""
+ACTUATOR_STATES, EXOSKELETON_LOADS, FINGER_STATES = 4, 3, 6
+"""Choice: states that each analysis must have reached: a cubic has three unknowns, a curve needs a few more."""
+_SOFTEST = 0.1
+"""Choice: least share of the largest stiffness that weighs an error."""
+EXTRAPOLATION = 1.05
+"""Choice: how far the tendon's law may be used beyond the lengthening that analysis (i) reached."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Flexure:
+    """A joint of the exoskeleton alone, (ii): torque law [N m of rad] and lengthening of the tube's axis per angle."""
+
+    law: Cubic
+    offset_m: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fit:
+    """A surrogate, the flexure's share of its joints, and the errors of the fits.
+
+    ``rmse`` holds root-mean-square errors, and the largest ones where a name ends in ``_max``.
+    """
+
+    surrogate: Surrogate
+    flexure: Flexure
+    rmse: dict[str, float]
+
+
+def reduce_finger(actuator: ActuatorResult, exoskeleton: ExoskeletonResult, finger: FingerResult) -> Fit:
+    """Fit the surrogate to the three analyses.
+
+    Raises
+    ------
+    ValueError
+        If an analysis ended too early to fit anything; the message names the field that is too short.
+    """
+    used = (actuator.lengthening_m <= USED_LENGTHENING_M) & (actuator.pressure_pa_gauge > 0.0)
+    _check_states(int(used.sum()), exoskeleton, finger)
+    delta, pressure = actuator.lengthening_m[used], actuator.pressure_pa_gauge[used]
+    chamber = fit_chamber(delta, actuator.thrust_area_m2[used], float(actuator.volume_m3[0]))
+    force = pressure * np.array([chamber.area(d) for d in delta])
+    tendon = fit_monotone(delta, force)
+    flexure, rmse = fit_flexure(exoskeleton)
+    rmse |= {
+        "thrust_area_m2": _rms(actuator.thrust_area_m2[used] - force / pressure),
+        "chamber_volume_m3": _rms(actuator.volume_m3[used] - np.array([chamber.volume(d) for d in delta])),
+        "tendon_force_n": _rms(force - np.array([tendon(d) for d in delta])),
+    }
+    lengthening = finger_lengthening(actuator, chamber, finger)
+    reached = EXTRAPOLATION * float(delta.max())
+    if lengthening.max() > reached:
+        raise ValueError(
+            f"actuator.lengthening_m ends at {1e3 * delta.max():.3g} mm: the finger needs "
+            f"{1e3 * lengthening.max():.3g} mm; analysis (i) needs higher pressures"
+        )
+    angle = finger.joint_angle_rad[1:]
+    tip = angle.sum(axis=1)
+    offset = float(tip @ lengthening / (tip @ tip))
+    states = list(zip(finger.pressure_pa_gauge[1:], offset * tip, strict=True))
+    torque = offset * np.array([p * chamber.area(d) - tendon(d) for p, d in states])
+    # what the tendon's elongation adds to a joint's stiffness when all three turn alike, less what the pressure takes
+    tied = 3.0 * offset**2 * np.array([tendon.slope(d) - p * chamber.area_slope_m for p, d in states])
+    proximal, middle, distal = (fit_joint(q, torque, tied, flexure.law) for q in angle.T)
+    surrogate = Surrogate(
+        offset_m=(offset, offset, offset), joints=(proximal, middle, distal), tendon=tendon, chamber=chamber
+    )
+    rmse["finger_lengthening_m"] = _rms(lengthening - offset * tip)
+    return Fit(surrogate=surrogate, flexure=flexure, rmse=rmse | finger_errors(surrogate, finger))
+
+
+def finger_lengthening(actuator: ActuatorResult, chamber: Chamber, finger: FingerResult) -> F64:
+    """Lengthening of the actuator in the complete finger, from its chamber's volume [m], (n - 1,).
+
+    V = V(delta) + p C(delta): the second part is the bulging between the rings, which does no work on the finger;
+    C, linear in delta, is that of analysis (i). What the flexure's stretch and the actuator's lift out of the gaps
+    add to the lengthening is in the volume, while the sections of the tube do not show it.
+
+    Raises
+    ------
+    ValueError
+        If the volume does not grow by more than the bulging.
+    """
+    p, d = actuator.pressure_pa_gauge[1:], actuator.lengthening_m[1:]
+    swelling = (actuator.volume_m3[1:] - np.array([chamber.volume(x) for x in d])) / p
+    (slope, straight), *_ = np.linalg.lstsq(np.stack([d, np.ones_like(d)], axis=1), swelling, rcond=None)
+    pressure = finger.pressure_pa_gauge[1:]
+    # B delta^2 / 2 + (A + p C') delta - (dV - p C0) = 0
+    growth = finger.volume_m3[1:] - finger.volume_m3[0] - pressure * straight
+    linear = chamber.area_m2 + pressure * slope
+    root = linear**2 + 2.0 * chamber.area_slope_m * growth
+    bad = np.flatnonzero((growth <= 0.0) | (linear <= 0.0) | (root < 0.0))
+    if bad.size:
+        k = int(bad[0]) + 1
+        raise ValueError(
+            f"finger.volume_m3[{k}] = {finger.volume_m3[k]:.6g} at {finger.pressure_pa_gauge[k]:g} Pa: no lengthening "
+            "of the actuator of analysis (i) has this volume"
+        )
+    return np.asarray(2.0 * growth / (linear + np.sqrt(root)))
+
+
+def finger_errors(surrogate: Surrogate, finger: FingerResult) -> dict[str, float]:
+    """Distance of the surrogate's own equilibrium from the complete finger, over all loaded states."""
+    angle = np.array([surrogate.angles(p) for p in finger.pressure_pa_gauge[1:]])
+    error = angle - finger.joint_angle_rad[1:]
+    volume = [surrogate.chamber.volume(surrogate.lengthening_m(q)) for q in angle]
+    return {
+        "finger_joint_angle_rad": _rms(error),
+        "finger_joint_angle_rad_max": float(np.abs(error).max()),
+        "finger_tip_angle_rad": _rms(error.sum(axis=1)),
+        "finger_tip_angle_rad_max": float(np.abs(error.sum(axis=1)).max()),
+        "finger_volume_m3": _rms(finger.volume_m3[1:] - np.array(volume)),
+    }
+
+
+def fit_flexure(exoskeleton: ExoskeletonResult) -> tuple[Flexure, dict[str, float]]:
+    """Fit the common law of the three identical flexures; return it with the errors of the fit.
+
+    The distal joint carries almost no moment under this load: proximal and middle identify the law.
+    """
+    angle, moment = exoskeleton.angle_rad[:, :2].ravel(), exoskeleton.moment_n_m[:, :2].ravel()
+    near = angle <= USED_ANGLE_RAD
+    angle, moment, lengthening = angle[near], moment[near], exoskeleton.lengthening_m[:, :2].ravel()[near]
+    law = fit_monotone(angle, moment)
+    offset = float(angle @ lengthening / (angle @ angle))
+    return Flexure(law=law, offset_m=offset), {
+        "flexure_torque_n_m": _rms(moment - np.array([law(q) for q in angle])),
+        "flexure_lengthening_m": _rms(lengthening - offset * angle),
+    }
+
+
+def fit_joint(angle_rad: F64, torque_n_m: F64, tied_n_m_per_rad: F64, flexure: Cubic) -> Cubic:
+    """Flexure plus a monotone law of its own for the rest, the actuator's bending, which softens as it lifts.
+
+    Beyond the angles of (iii) the slope is therefore never below that of the flexure alone. Errors are weighed by the
+    angle that they are worth, torque over stiffness (the joint's own and ``tied_n_m_per_rad``, [n], what the tendon
+    adds): a finger near its largest pressure is soft.
+    """
+    rest = torque_n_m - np.array([flexure(q) for q in angle_rad])
+    first = flexure + fit_monotone(angle_rad, rest)
+    stiffness = np.array([first.slope(q) for q in angle_rad]) + tied_n_m_per_rad
+    return flexure + fit_monotone(angle_rad, rest, 1.0 / np.maximum(stiffness, _SOFTEST * stiffness.max()))
+
+
+def fit_chamber(lengthening_m: F64, area_m2: F64, volume_m3: float) -> Chamber:
+    """Fit A + B delta to the thrust area of the finite elements; V0 is that of the mesh."""
+    design = np.stack([np.ones_like(lengthening_m), lengthening_m], axis=1)
+    (area, slope), *_ = np.linalg.lstsq(design, area_m2, rcond=None)
+    return Chamber(volume_m3=volume_m3, area_m2=float(area), area_slope_m=float(slope))
+
+
+def fit_monotone(x: F64, y: F64, weight: F64 | None = None) -> Cubic:
+    """Least-squares cubic through the origin with a slope that is nowhere negative; ``weight`` multiplies the errors.
+
+    a = s^2, c = t^2, b = sqrt(3) s t sin(phi) satisfies b^2 <= 3 a c for any s, t, phi.
+    """
+    scale_x, scale_y = float(np.abs(x).max()), float(np.abs(y).max())
+    share = np.ones_like(x) if weight is None else weight / weight.max()
+
+    def coefficients(q: F64) -> F64:
+        return np.array([q[0] ** 2, sqrt(3.0) * q[0] * q[1] * np.sin(q[2]), q[1] ** 2])
+
+    def error(q: F64) -> F64:
+        a, b, c = coefficients(q)
+        u = x / scale_x
+        return np.asarray(share * (u * (a + u * (b + u * c)) - y / scale_y))
+
+    starts = [np.array([1.0, 0.3, phi]) for phi in (-0.5 * pi + 0.2, 0.0, 0.5 * pi - 0.2)]
+    best = min((least_squares(error, q, xtol=1e-14, ftol=1e-14, gtol=1e-14) for q in starts), key=lambda r: r.cost)
+    a, b, c = coefficients(best.x) * scale_y
+    return Cubic(a=float(a / scale_x), b=float(b / scale_x**2), c=float(c / scale_x**3))
+
+
+def _check_states(actuator_states: int, exoskeleton: ExoskeletonResult, finger: FingerResult) -> None:
+    """Refuse analyses that ended too early."""
+    finger_states = len(finger.pressure_pa_gauge) - 1
+    for field, found, needed in (
+        ("actuator.pressure_pa_gauge", actuator_states, ACTUATOR_STATES),
+        ("exoskeleton.load_n", len(exoskeleton.load_n), EXOSKELETON_LOADS),
+        ("finger.pressure_pa_gauge", finger_states, FINGER_STATES),
+    ):
+        if found < needed:
+            raise ValueError(f"{field}: {found} usable converged states: a calibration needs at least {needed}")
+
+
+def _rms(error: F64) -> float:
+    return float(np.sqrt(np.mean(error**2)))
