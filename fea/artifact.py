@@ -66,7 +66,7 @@ def artifact(c: Calibration) -> dict[str, Any]:
         "targets_used": {
             "tip_angle_deg": TARGET_TIP_ANGLE_DEG,
             "pressure_pa_gauge": TARGET_PRESSURE_PA_GAUGE,
-            "dimension_chosen": "flexure_thickness_m",
+            "dimension_chosen": "sector_half_angle_rad",
             "source": "Alves et al., section 4.2; the only measured value of the complete finger that was used",
         },
         "fit_rmse": dict(c.fit.rmse),

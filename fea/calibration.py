@@ -19,8 +19,8 @@ FINGER_PRESSURES_PA_GAUGE = tuple(
     1e3 * p for p in (2, 5, 8, 12.5, 17, 21.5, 28.25, 36.25, 44.25, 52.25, 60.25, 68.25, 75, 80)
 )
 """Choice: load steps that the solver takes by itself, so that none is cut short (77 iterations; round ones took 94)."""
-THINNEST_M, THICKEST_M = 2.0e-3, 8.0e-3
-"""Range of the search for the flexure: the paper's minimum wall, and a choice."""
+NARROWEST_DEG, WIDEST_DEG = 40.0, 88.0
+"""Choice: half angles of the palm sector that leave a flexure and a gap."""
 CLOSE_DEG, ACCEPTED_DEG = 0.1, 0.5
 """Choice: errors of the angle at which the search ends at once, and with which it is content in the end."""
 TRIALS = 8
@@ -110,85 +110,85 @@ def complete(
     )
 
 
-def choose_flexure(
+def choose_sector(
     geometry: FingerGeometry, materials: Materials, density: Density, *, progress: Callable[[], None] = lambda: None
 ) -> Calibration:
-    """Find the flexure thickness that gives the stated angle and calibrate with it.
+    """Find the half angle of the palm sector that gives the stated angle and calibrate with it.
 
     Secant on the complete finger's angle at the stated pressure; the actuator, which does not change, is run once.
 
     Raises
     ------
     ValueError
-        If no thickness of 2 to 8 mm gives the angle within half a degree.
+        If no half angle of 40 to 88 degrees gives the tip angle within half a degree.
     """
     actuator, mass = run_actuator(geometry, materials, density, progress)
 
-    def angle_error_deg(thickness_m: float) -> float | None:
-        candidate = replace(geometry, flexure_thickness_m=thickness_m)
+    def angle_error_deg(sector_deg: float) -> float | None:
+        candidate = replace(geometry, sector_half_angle_rad=float(np.deg2rad(sector_deg)))
         model = _finger_model(candidate, materials, density)
         result = analyse_finger(model, candidate, [TARGET_PRESSURE_PA_GAUGE], progress=progress)
         if result.pressure_pa_gauge[-1] < TARGET_PRESSURE_PA_GAUGE:
             return None
         return float(np.rad2deg(result.tip_angle_rad[-1])) - TARGET_TIP_ANGLE_DEG
 
-    thickness = search_thickness(angle_error_deg, geometry.flexure_thickness_m)
-    chosen = replace(geometry, flexure_thickness_m=thickness)
+    sector = search_sector(angle_error_deg, float(np.rad2deg(geometry.sector_half_angle_rad)))
+    chosen = replace(geometry, sector_half_angle_rad=float(np.deg2rad(sector)))
     return complete(chosen, materials, density, actuator, mass, progress)
 
 
-def search_thickness(angle_error_deg: Callable[[float], float | None], start_m: float) -> float:
-    """Return the flexure thickness [m], in hundredths of a millimetre, at which the error [degrees] vanishes.
+def search_sector(angle_error_deg: Callable[[float], float | None], start_deg: float) -> float:
+    """Return the sector's half angle [degrees], in tenths, at which the error [degrees] vanishes.
 
     Parameters
     ----------
     angle_error_deg : callable
-        Angle minus stated angle for a thickness [m]; None where equilibrium was lost before the stated pressure,
-        which a thicker flexure puts off.
-    start_m : float
-        First thickness.
+        Tip angle minus stated angle for a sector [degrees]; None where equilibrium was lost before the stated pressure,
+        which a wider sector puts off.
+    start_deg : float
+        First half angle.
 
     Raises
     ------
     ValueError
-        If none of the tried thicknesses comes within half a degree; the message lists them.
+        If none of the sectors tried comes within half a degree; the message lists them.
     """
     tried: list[tuple[float, float]] = []
     lost: list[float] = []
-    thickness = start_m
+    sector = start_deg
     while len(tried) + len(lost) < TRIALS:
-        thickness = round(float(np.clip(thickness, THINNEST_M, THICKEST_M)), 5)
-        if thickness in (*lost, *(t for t, _ in tried)):
+        sector = round(float(np.clip(sector, NARROWEST_DEG, WIDEST_DEG)), 1)
+        if sector in (*lost, *(t for t, _ in tried)):
             break
-        error = angle_error_deg(thickness)
+        error = angle_error_deg(sector)
         if error is None:
-            lost.append(thickness)
-            thickness += 0.3e-3
+            lost.append(sector)
+            sector += 2.0
             continue
-        tried.append((thickness, error))
+        tried.append((sector, error))
         if abs(error) < CLOSE_DEG:
             break
-        thickness = _next_thickness(tried)
+        sector = _next_sector(tried)
     if tried and abs((best := min(tried, key=lambda pair: abs(pair[1])))[1]) < ACCEPTED_DEG:
         return best[0]
     raise ValueError(
-        f"flexure_thickness_m: no value from 2 to 8 mm gives {TARGET_TIP_ANGLE_DEG:g} degrees at 75 kPa; tried "
+        f"sector_half_angle_rad: no half angle from {NARROWEST_DEG:g} to {WIDEST_DEG:g} degrees gives a tip angle of "
+        f"{TARGET_TIP_ANGLE_DEG:g} degrees at 75 kPa; tried "
         + ", ".join(
-            [f"{1e3 * t:.2f} mm ({e:+.1f} degrees)" for t, e in tried]
-            + [f"{1e3 * t:.2f} mm (equilibrium lost before)" for t in lost]
+            [f"{s:.1f} ({e:+.1f} degrees)" for s, e in tried] + [f"{s:.1f} (equilibrium lost before)" for s in lost]
         )
     )
 
 
-def _next_thickness(tried: list[tuple[float, float]]) -> float:
-    """Secant step of at most 0.6 mm from the last two thicknesses; a first step of 0.2 mm to the right side."""
+def _next_sector(tried: list[tuple[float, float]]) -> float:
+    """Secant step of at most 4 degrees from the last two sectors; a first step of 1 degree to the right side."""
     (x1, e1) = tried[-1]
     if len(tried) == 1:
-        return x1 + float(np.copysign(0.2e-3, e1))
+        return x1 + float(np.copysign(1.0, e1))
     (x0, e0) = tried[-2]
     slope = (e1 - e0) / (x1 - x0)
-    # a thicker flexure bends less: where two tries do not show it, they say nothing of the distance
-    return x1 + (float(np.clip(-e1 / slope, -0.6e-3, 0.6e-3)) if slope < 0.0 else float(np.copysign(0.6e-3, e1)))
+    # a wider sector bends less: where two tries do not show it, they say nothing of the distance
+    return x1 + (float(np.clip(-e1 / slope, -4.0, 4.0)) if slope < 0.0 else float(np.copysign(4.0, e1)))
 
 
 def _finger_model(geometry: FingerGeometry, materials: Materials, density: Density) -> FingerModel:

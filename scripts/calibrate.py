@@ -3,7 +3,6 @@
 import sys
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +10,7 @@ if sys.path and Path(sys.path[0]).resolve() == Path(__file__).resolve().parent:
     # started by its path: the script ``fea.py`` beside this one would hide the package ``fea``
     sys.path[0] = str(Path(__file__).resolve().parents[1])
 
+import numpy as np
 from tqdm import tqdm
 
 from assets import asset_path
@@ -21,7 +21,7 @@ from fea.calibration import (
     Calibration,
     Materials,
     calibrate,
-    choose_flexure,
+    choose_sector,
     load_materials,
 )
 from fea.density import DENSITIES, Density
@@ -33,7 +33,7 @@ EXAMPLES = """examples:
   python scripts/calibrate.py                                   # the shipped calibration, a few minutes
   python scripts/calibrate.py --density coarse --out out/f.json --json out/calibrate.json
   python scripts/calibrate.py --materials set2 set3 --out out/stiffer.json
-  python scripts/calibrate.py --choose-flexure --out out/f.json # find the thickness that gives 95 degrees at 75 kPa
+  python scripts/calibrate.py --choose-sector --out out/f.json  # find the palm sector that gives 95 degrees at 75 kPa
 """
 
 
@@ -48,10 +48,8 @@ def parser() -> _cli.Parser:
         default=["set3", "set3"],
         help="parameter sets of the silicone and of the TPU (set3 set3)",
     )
-    p.add_argument("--flexure", type=_cli.positive_float, metavar="MM", help="flexure thickness in mm")
-    p.add_argument(
-        "--choose-flexure", action="store_true", help="find the flexure thickness that gives 95 degrees at 75 kPa"
-    )
+    _cli.add_dimension(p)
+    p.add_argument("--choose-sector", action="store_true", help="find the palm sector that gives 95 degrees at 75 kPa")
     p.add_argument("--out", type=Path, help="calibration file (assets/calibration/finger.json)")
     p.add_common(
         seed="taken for uniformity; nothing is random", json="write the three analyses and the fit errors here"
@@ -67,23 +65,21 @@ def job(argv: Sequence[str] | None = None) -> int:
     _cli.check_writable(out)
     density = DENSITIES[args.density]
     materials = load_materials(*args.materials)
-    geometry = FingerGeometry()
-    if args.flexure is not None:
-        geometry = replace(geometry, flexure_thickness_m=1e-3 * args.flexure)
+    geometry = _cli.with_dimensions(FingerGeometry(), args.dimension)
     start = time.perf_counter()
-    result = _run(geometry, materials, density, choose=args.choose_flexure)
+    result = _run(geometry, materials, density, choose=args.choose_sector)
     write_artifact(result, out)
     if args.json is not None:
         _cli.write_json(args.json, summary(result, time.perf_counter() - start))
     angle = result.fit.surrogate.tip_angle_deg(TARGET_PRESSURE_PA_GAUGE)
-    thickness = 1e3 * result.geometry.flexure_thickness_m
-    print(f"{out}: {angle:.1f} degrees at 75 kPa with a flexure of {thickness:.2f} mm")
+    sector = np.rad2deg(result.geometry.sector_half_angle_rad)
+    print(f"{out}: {angle:.1f} degrees at 75 kPa with a palm sector of +-{sector:.1f} degrees")
     return 0
 
 
 def _run(geometry: FingerGeometry, materials: Materials, density: Density, *, choose: bool) -> Calibration:
     steps = len(density.pressures_pa_gauge) + len(LOADS_N) + 1 + len(FINGER_PRESSURES_PA_GAUGE)
-    work: Callable[..., Calibration] = choose_flexure if choose else calibrate
+    work: Callable[..., Calibration] = choose_sector if choose else calibrate
     with tqdm(total=None if choose else steps, desc="load steps", unit="step") as bar:
         return work(geometry, materials, density, progress=lambda: bar.update(1))
 
@@ -107,7 +103,7 @@ def summary(c: Calibration, wall_s: float) -> dict[str, Any]:
         "finger_volume_m3": f.volume_m3.tolist(),
         "finger_status": f.status.value,
         "tip_angle_deg_at_75_kpa": c.fit.surrogate.tip_angle_deg(TARGET_PRESSURE_PA_GAUGE),
-        "flexure_thickness_m": c.geometry.flexure_thickness_m,
+        "sector_half_angle_rad": c.geometry.sector_half_angle_rad,
         "fit_rmse": dict(c.fit.rmse),
         "dofs": {"actuator": a.dofs, "exoskeleton": x.dofs, "finger": f.dofs},
         "newton_iterations": {"actuator": a.iterations, "exoskeleton": x.iterations, "finger": f.iterations},

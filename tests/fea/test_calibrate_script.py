@@ -5,7 +5,7 @@ import pytest
 from tests_fea_helpers import finger_result
 
 from fea import calibration
-from fea.calibration import search_thickness
+from fea.calibration import search_sector
 from fea.density import DENSITIES
 from scripts.calibrate import main
 
@@ -14,8 +14,8 @@ from scripts.calibrate import main
     ("arguments", "message"),
     [
         (["--materials", "set9", "set3"], "sets has no 'set9'"),
-        (["--flexure", "1.0"], "flexure_thickness_m = 0.001 m must be at least 0.002"),
-        (["--flexure", "3300"], "flexure_thickness_m = 3.3 m must lie in"),
+        (["--dimension", "flexure_thickness_m=0.001"], "flexure_thickness_m = 0.001 m must be at least 0.002"),
+        (["--dimension", "flexure_thickness_m=3.3"], "flexure_thickness_m = 3.3 m must lie in"),
     ],
 )
 def test_bad_input_is_one_line_and_a_status(capsys, tmp_path, arguments, message):
@@ -27,33 +27,33 @@ def test_bad_input_is_one_line_and_a_status(capsys, tmp_path, arguments, message
     assert not out.exists()
 
 
-def test_search_finds_the_thickness_and_steps_back_from_lost_equilibrium():
+def test_search_finds_the_sector_and_steps_back_from_lost_equilibrium():
     asked = []
 
-    def error(thickness: float) -> float | None:
-        asked.append(thickness)
-        return None if thickness < 3.0e-3 else 6.0 - 2.0e3 * (thickness - 0.3e-3) - 2e5 * (thickness - 3e-3) ** 2
+    def error(sector: float) -> float | None:
+        asked.append(sector)
+        return None if sector < 60.0 else 12.0 - 2.0 * (sector - 58.0) + 0.02 * (sector - 60.0) ** 2
 
-    found = search_thickness(error, 2.5e-3)
+    found = search_sector(error, 57.0)
     assert abs(error(found)) < 0.1
-    assert asked[0] == 2.5e-3
+    assert asked[0] == 57.0
     assert len(asked) <= 8
-    assert found == round(found, 5)
+    assert found == round(found, 1)
 
 
 def test_search_that_finds_nothing_lists_what_it_tried():
-    with pytest.raises(ValueError, match=r"flexure_thickness_m: no value .* 3\.00 mm \(\+40\.0 degrees\)"):
-        search_thickness(lambda _: 40.0, 3e-3)
-    with pytest.raises(ValueError, match=r"2\.00 mm \(equilibrium lost before\)"):
-        search_thickness(lambda _: None, 2e-3)
+    with pytest.raises(ValueError, match=r"sector_half_angle_rad: no half angle .* 60\.0 \(\+40\.0 degrees\)"):
+        search_sector(lambda _: 40.0, 60.0)
+    with pytest.raises(ValueError, match=r"50\.0 \(equilibrium lost before\)"):
+        search_sector(lambda _: None, 50.0)
 
 
-def test_flexure_is_chosen_on_the_complete_finger_and_the_actuator_runs_once(monkeypatch, geometry, materials):
+def test_sector_is_chosen_on_the_complete_finger_and_the_actuator_runs_once(monkeypatch, geometry, materials):
     calls = []
 
     def finger(model, candidate, pressures, *, progress):  # noqa: ARG001 - the analysis' signature
         calls.append(pressures)
-        angle = np.deg2rad(95.0 - 2e4 * (candidate.flexure_thickness_m - 3.5e-3)) / 3.0
+        angle = np.deg2rad(95.0 - 2.4 * (np.rad2deg(candidate.sector_half_angle_rad) - 66.0)) / 3.0
         pressure = np.array([0.0, *pressures])
         return finger_result(pressure, np.outer(pressure > 0.0, np.full(3, angle)), np.ones_like(pressure))
 
@@ -61,8 +61,9 @@ def test_flexure_is_chosen_on_the_complete_finger_and_the_actuator_runs_once(mon
     monkeypatch.setattr(calibration, "_finger_model", lambda *_: None)
     monkeypatch.setattr(calibration, "analyse_finger", finger)
     monkeypatch.setattr(calibration, "complete", lambda *given: given)
-    chosen, *_, actuator, mass, _ = calibration.choose_flexure(geometry, materials, DENSITIES["coarse"])
-    assert chosen == replace(geometry, flexure_thickness_m=3.5e-3)
+    chosen, *_, actuator, mass, _ = calibration.choose_sector(geometry, materials, DENSITIES["coarse"])
+    assert np.rad2deg(chosen.sector_half_angle_rad) == pytest.approx(66.0)
+    assert replace(chosen, sector_half_angle_rad=geometry.sector_half_angle_rad) == geometry
     assert (actuator, mass) == ("i", 0.007)
     assert calls[0] == "actuator"
     assert set(map(tuple, calls[1:])) == {(75e3,)}

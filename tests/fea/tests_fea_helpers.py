@@ -40,6 +40,7 @@ def finger_result(pressure, angle, volume) -> FingerResult:
     """A result of analysis (iii) of which only angles and volume matter."""
     zero = np.zeros_like(pressure)
     return FingerResult(
+        branch=("loading",) * len(pressure),
         pressure_pa_gauge=pressure,
         tip_angle_rad=angle.sum(axis=1),
         joint_angle_rad=angle,
@@ -47,6 +48,9 @@ def finger_result(pressure, angle, volume) -> FingerResult:
         volume_m3=volume,
         minimum_gap_m=zero,
         contact_force_n=zero,
+        contact_pressure_pa=zero,
+        slip_m=zero,
+        tip_force_n=zero,
         u_m=np.zeros((1, 3)),
         status=Status.CONVERGED,
         iterations=0,
