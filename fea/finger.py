@@ -38,7 +38,7 @@ class FingerMesh:
 
 
 OPTIONS = NewtonOptions(
-    relative_tolerance=1e-4, max_iterations=16, first_step=FIRST_STEP_PA, largest_step=LARGEST_STEP_PA
+    relative_tolerance=1e-4, max_iterations=16, patience=8, first_step=FIRST_STEP_PA, largest_step=LARGEST_STEP_PA
 )
 
 _ACTUATOR = ActuatorMesh(theta_cells=3, inner_cells=1, gap_cells=1, cap_cells=1, core_cells=1)

@@ -101,7 +101,7 @@ class NewtonOptions:
     relative_tolerance: float = 1e-6
     step_cap_m: float = 30e-3
     max_iterations: int = 16
-    patience: int = 8
+    patience: int = 100
     min_step: float = 1.0 / 64.0
     first_step: float = np.inf
     largest_step: float = np.inf

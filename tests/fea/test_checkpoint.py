@@ -18,7 +18,7 @@ from scripts.fea import main
 ROOT = Path(fea.__file__).parents[1]
 RUN = ["exoskeleton", "--mesh", "coarse", "--loads", "0.01,0.02,0.03,0.05", "--no-pictures"]
 # four rings: a fifth of the cells, and the silicone bulges against the tube between them
-FINGER = ["finger", "--mesh", "coarse", "--pressures", "2,4,6,7", "--dimension", "ring_count=4", "--no-pictures"]
+FINGER = ["finger", "--mesh", "coarse", "--pressures", "3,6", "--dimension", "ring_count=4", "--no-pictures"]
 
 
 def step(parameter):
@@ -87,7 +87,7 @@ def test_finger_in_contact_killed_in_mid_sweep_resumes_to_the_same_curve(tmp_pat
     whole, broken, out = tmp_path / "whole.json", tmp_path / "broken.json", tmp_path / "out"
     assert main([*FINGER, "--json", str(whole)]) == 0
     again = [*FINGER, "--json", str(broken), "--out", str(out)]
-    done = kill_in_mid_sweep(again, out / "checkpoint", after=2)
+    done = kill_in_mid_sweep(again, out / "checkpoint", after=1)
     assert not broken.exists()
 
     capsys.readouterr()
@@ -96,10 +96,10 @@ def test_finger_in_contact_killed_in_mid_sweep_resumes_to_the_same_curve(tmp_pat
     assert len(list((out / "checkpoint").glob("step-*.npz"))) > done
     a, b = (json.loads(file.read_text()) for file in (whole, broken))
     assert a["pressure_pa_gauge"] == b["pressure_pa_gauge"]
-    assert a["contact_force_n"][-1] > 0.0
+    assert max(a["contact_force_n"]) > 0.0
     assert len(a["tip_angle_deg"]) >= 5
     for key in ("tip_angle_deg", "joint_rotation_rad", "tip_displacement_m", "volume_m3"):
-        np.testing.assert_allclose(b[key], a[key], rtol=1e-4)
+        np.testing.assert_allclose(b[key], a[key], rtol=1e-4, atol=1e-4 * np.abs(a[key]).max())
 
 
 def kill_in_mid_sweep(argv, checkpoints: Path, after: int) -> int:

@@ -26,10 +26,15 @@ def disc(radius):
 
 
 def exoskeleton_volume(g):
+    """Corners lie on the sector's edges: equal cells inside it and equal, slightly different ones outside."""
     inner, outer, thick = g.tube_inner_radius_m, g.tube_outer_radius_m, g.tube_inner_radius_m + g.flexure_thickness_m
-    tube = (disc(outer) - disc(inner)) * (g.actuator_length_m - 3 * g.gap_length_m)
-    flexure = (disc(thick) - disc(inner)) * g.sector_half_angle_rad / np.pi * 3 * g.gap_length_m
-    return tube + flexure + disc(outer) * g.end_plate_m
+    cells = round(SECTORS * g.sector_half_angle_rad / (2.0 * np.pi))
+    rest = SECTORS // 2 - cells
+    sector = cells * np.sin(g.sector_half_angle_rad / cells)  # area of the full polygon sector over r^2
+    whole = sector + rest * np.sin((np.pi - g.sector_half_angle_rad) / rest)
+    tube = whole * (outer**2 - inner**2) * (g.actuator_length_m - 3 * g.gap_length_m)
+    flexure = sector * (thick**2 - inner**2) * 3 * g.gap_length_m
+    return tube + flexure + whole * outer**2 * g.end_plate_m
 
 
 def actuator_volume(g):
