@@ -156,7 +156,7 @@ def test_shipped_surrogate_follows_the_complete_finger(shipped):
     assert table["pressure_pa_gauge"][-1] == 80e3
     for pressure, joints in zip(table["pressure_pa_gauge"][2:], table["joint_angle_rad"][2:], strict=True):
         tip = float(np.rad2deg(np.sum(joints)))
-        assert surrogate.tip_angle_deg(pressure) == pytest.approx(tip, rel=0.013, abs=0.6)
+        assert surrogate.tip_angle_deg(pressure) == pytest.approx(tip, rel=0.015, abs=0.6)
         np.testing.assert_allclose(surrogate.angles(pressure), joints, atol=np.deg2rad(0.6))
 
 
