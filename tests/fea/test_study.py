@@ -77,15 +77,15 @@ def test_exoskeleton_s_stress_maximum_is_at_the_proximal_joint(geometry, materia
 
 
 def test_resumed_path_repeats_the_unbroken_one(inflated, steps, geometry, materials):
-    """The second state is extrapolated from the one before the break, so even the iterations agree."""
+    """It goes on with the same step size, so even the iterations agree, but for one that rounding may decide."""
     again = []
     first = [step for step in steps if step.parameter <= 4e3]
     resume = Sweep(resume=first, on_step=again.append)
     study = actuator_study(setup(short(geometry), materials), [4e3, 8e3], resume)
     assert len(first) + len(again) == len(steps)
-    assert study.figures["newton_iterations"] == inflated.figures["newton_iterations"]
+    assert abs(study.figures["newton_iterations"] - inflated.figures["newton_iterations"]) <= 1
     for key in ("pressure_pa_gauge", "axial_stretch", "volume_m3", "max_von_mises_strain"):
-        np.testing.assert_allclose(study.figures[key], inflated.figures[key], rtol=1e-9)
+        np.testing.assert_allclose(study.figures[key], inflated.figures[key], rtol=1e-6)
 
 
 def test_costs_are_parts_of_the_whole(inflated):
