@@ -1,4 +1,4 @@
-"""Calibration of the finger: run the three analyses and reduce them; find the flexure that gives the stated angle."""
+"""Calibration of the finger: run the three analyses and reduce them; find the sector that gives the stated angle."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -18,7 +18,8 @@ TARGET_TIP_ANGLE_DEG, TARGET_PRESSURE_PA_GAUGE = 95.0, 75e3
 FINGER_PRESSURES_PA_GAUGE = tuple(
     1e3 * p for p in (2, 5, 8, 12.5, 17, 21.5, 28.25, 36.25, 44.25, 52.25, 60.25, 68.25, 75, 80)
 )
-"""Choice: load steps that the solver takes by itself, so that none is cut short (77 iterations; round ones took 94)."""
+"""Choice: load steps that the solver takes by itself, so that none is cut short (77 iterations on the
+former coarse mesh, where round ones took 94)."""
 NARROWEST_DEG, WIDEST_DEG = 40.0, 88.0
 """Choice: half angles of the palm sector that leave a flexure and a gap."""
 CLOSE_DEG, ACCEPTED_DEG = 0.1, 0.5

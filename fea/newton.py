@@ -28,7 +28,7 @@ _ROUNDING = 1e-12
 """Choice: share of the energy by which rounding may hide a decrease."""
 _SEARCH_HALVINGS = 10
 HOPELESS = 0.3
-"""Choice: of the finger's load steps none that still had this residual after 8 iterations converged (measured)."""
+"""Choice: of the finger's load steps one was seen to converge that still had this residual after 8 iterations."""
 _WHOLE = 1.0 - 1e-9
 _SMALLEST_FORCE_N = 1e-9
 """Choice: where no force acts, residuals are measured against this."""
