@@ -4,7 +4,6 @@ import resource
 import sys
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
-from inspect import signature
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
 from typing import Any
@@ -13,7 +12,7 @@ import numpy as np
 
 from fea.checkpoint import code_version
 from fea.contact import ContactOptions
-from fea.finger import MESHES, FingerModel, FingerResult, analyse_finger, finger_model
+from fea.finger import MESHES, FingerResult, analyse_finger, finger_model
 from fea.geometry import FingerGeometry
 from fea.linear_solver import solver_name
 from fea.materials import load_material
@@ -21,7 +20,6 @@ from fea.path import Sweep
 
 DIED, INVALID = "died", "invalid"
 """Statuses of a run besides the solver's: its process was killed, or geometry or contact refused the case."""
-_UNLOAD = "unload"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,11 +41,6 @@ class Case:
         own = {name: value for name, value in vars(self).items() if name != "geometry"}
         more = {"geometry": self.geometry.as_dict(), "mesh_cells": asdict(MESHES[self.mesh])}
         return own | more | {"pressures_pa_gauge": list(self.pressures_pa_gauge)}
-
-
-def has_unloading() -> bool:
-    """Tell whether the analysis knows an unloading branch."""
-    return _UNLOAD in signature(analyse_finger).parameters
 
 
 def execute(case: Case, report: Callable[[str], None] = lambda _: None) -> dict[str, Any]:
@@ -99,18 +92,14 @@ def solve(case: Case, sweep: Sweep) -> dict[str, Any]:
         contact=None if case.friction is None else ContactOptions(friction=case.friction, count_once=True),
         formulation=case.formulation,
     )
-    return figures(_analyse(model, case, sweep)) | {"linear_solver": solver_name(), "code_sha256": code_version()}
-
-
-def _analyse(model: FingerModel, case: Case, sweep: Sweep) -> FingerResult:
-    more: dict[str, Any] = {_UNLOAD: True} if case.unload else {}
-    return analyse_finger(model, case.geometry, list(case.pressures_pa_gauge), sweep=sweep, **more)
+    result = analyse_finger(model, case.geometry, case.pressures_pa_gauge, unload=case.unload, sweep=sweep)
+    return figures(result) | {"linear_solver": solver_name(), "code_sha256": code_version()}
 
 
 def figures(r: FingerResult) -> dict[str, Any]:
     """Return a result, JSON ready; a gap beyond the clearance is null."""
     return {
-        "branch": list(getattr(r, "branch", ["loading"] * len(r.pressure_pa_gauge))),
+        "branch": list(r.branch),
         "pressure_pa_gauge": r.pressure_pa_gauge.tolist(),
         "tip_angle_deg": np.rad2deg(r.tip_angle_rad).tolist(),
         "joint_rotation_rad": r.joint_angle_rad.tolist(),

@@ -21,7 +21,7 @@ from fea.finger import FORMULATIONS, MESHES, PRESSURES_PA_GAUGE
 from fea.geometry import FingerGeometry
 from fea.materials import VOLUMETRIC_READINGS
 from scripts import _cli, _finger_markdown
-from scripts._finger_runs import DIED, INVALID, Case, execute, has_unloading
+from scripts._finger_runs import DIED, INVALID, Case, execute
 
 EXAMPLES = """examples:
   python scripts/finger_table.py convergence --json out/convergence.json
@@ -240,8 +240,6 @@ def _check(args: Any, table: Table) -> None:
                 raise ValueError(f"{option}: not an option of {args.table}")
     if args.percent is not None and args.by_mm is not None:
         raise ValueError("--percent, --by-mm: give one of them")
-    if args.unload and not has_unloading():
-        raise ValueError("--unload: the analysis has no unloading branch")
     if args.friction is not None:
         ContactOptions(friction=args.friction)  # refuses it by name
     _cli.check_writable(args.json)
