@@ -165,7 +165,7 @@ class _Solve:
                 state = self.work.model.evaluate(u, carried)
             if state is None or state.tangent is None:
                 return Outcome(status=Status.INVERTED, u_m=u, iterations=iteration, residual=np.inf)
-            imbalance, tangent = self._system(u, state, state.tangent)
+            imbalance, tangent = self._system(u, state, state.tangent, settled=carried is self.load)
             # a step that ends without load is measured against the forces that it started with
             start = start or _scale(state)
             relative = float(np.linalg.norm(imbalance)) / max(start, _scale(state))
@@ -184,10 +184,11 @@ class _Solve:
             carried = self.load if share > _WHOLE else carried.towards(self.load, share)
         return Outcome(status=Status.STALLED, u_m=u, iterations=iteration, residual=relative)
 
-    def _system(self, u: F64, state: Evaluation, tangent: sp.csr_array) -> tuple[F64, sp.csr_array]:
+    def _system(self, u: F64, state: Evaluation, tangent: sp.csr_array, *, settled: bool) -> tuple[F64, sp.csr_array]:
         """Return the imbalance under the whole load and the tangent at the load carried, at the free freedoms."""
         model = self.work.model
-        imbalance = model.external(u, self.load).ravel()[model.free] - state.internal_n
+        wanted = state.external_n if settled else model.external(u, self.load).ravel()[model.free]
+        imbalance = wanted - state.internal_n
         if self.contact is None:
             return imbalance, tangent
         with self.watch.time("contact"):
