@@ -3,7 +3,7 @@
 A barrier on the distance of the surfaces' linear facets keeps every state free of penetration: its energy grows
 without bound as a gap closes and is zero beyond the activation distance. Six-node faces are split into four facets
 through their mid-edge nodes, so that contact acts on the nodes of the mesh itself; a three-node face is one. ipctk is
-an optional dependency. Friction is in :mod:`fea.friction`.
+an optional dependency. Friction is in :mod:`fea.tangential` and :mod:`fea.friction`.
 """
 
 import importlib
@@ -16,6 +16,7 @@ import scipy.sparse as sp
 from fea.arrays import F64, I64
 from fea.lattice import SolidMesh
 from fea.newton import ContactState
+from fea.tangential import TangentialPairs, from_ipctk
 
 _MM = 1e3  # ipctk works in mm, MPa and N: its tolerances are absolute
 _FACETS = {6: ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)), 3: ((0, 1, 2),)}  # by the nodes of a face
@@ -119,42 +120,14 @@ class SurfaceContact:
         local = self._potential.hessian(collisions, self._mesh, x, method)
         return ContactState(force_n=force, hessian=self._upper(local))
 
-    def friction_pairs(self, u_m: F64, coefficient: float | None = None) -> Any:
-        """Return ipctk's pairs with the normal forces and tangent planes at displacements u (options' coefficient)."""
+    def friction_pairs(self, u_m: F64, coefficient: float | None = None) -> TangentialPairs:
+        """Return the pairs with the normal forces and tangent planes at displacements u (options' coefficient)."""
         x = self._positions(u_m)
         pairs = self._ipc.TangentialCollisions()
-        pairs.build(
-            self._mesh,
-            x,
-            self._collisions(x),
-            self._potential,
-            self.options.friction if coefficient is None else coefficient,
-        )
-        return pairs
-
-    def friction_state(self, pairs: Any, slip_m: F64, length_m: float) -> ContactState:
-        """Return friction's forces and Hessian for nodal displacements since the anchor [n_nodes, 3].
-
-        The magnitude on a pair is mu N f(s / length), f(y) = 2 y - y^2 below y = 1 and 1 above (Li et al. 2020,
-        section 5); Hessian at constant N and tangent plane, which makes it symmetric.
-        """
-        potential = self._ipc.FrictionPotential(length_m * _MM)
-        slip = np.asfortranarray(slip_m[self.nodes] * _MM)
-        # each pair's potential is convex, and pairs that take others' excess away must keep their sign
-        local = potential.hessian(pairs, self._mesh, slip, self._ipc.PSDProjectionMethod.NONE)
-        return ContactState(
-            force_n=self._nodal(-potential.gradient(pairs, self._mesh, slip)), hessian=self._upper(local)
-        )
-
-    def friction_energy(self, pairs: Any, slip_m: F64, length_m: float) -> float:
-        """Return the potential [J] of :meth:`friction_state`'s forces."""
-        potential = self._ipc.FrictionPotential(length_m * _MM)
-        return 1e-3 * float(potential(pairs, self._mesh, np.asfortranarray(slip_m[self.nodes] * _MM)))
-
-    def friction_force(self, pairs: Any, slip_m: F64, length_m: float) -> F64:
-        """Return the forces of :meth:`friction_state` [n_nodes, 3]."""
-        potential = self._ipc.FrictionPotential(length_m * _MM)
-        return self._nodal(-potential.gradient(pairs, self._mesh, np.asfortranarray(slip_m[self.nodes] * _MM)))
+        mu = self.options.friction if coefficient is None else coefficient
+        pairs.build(self._mesh, x, self._collisions(x), self._potential, mu)
+        edges, faces = np.asarray(self._mesh.edges), np.asarray(self._mesh.faces)
+        return from_ipctk(pairs, edges, faces, self.nodes, self.options.friction_slip_m)
 
     def contact_pressure_pa(self, u_m: F64) -> F64:
         """Return the normal contact pressure on ``first_nodes`` [n_first], over undeformed areas.

@@ -14,7 +14,6 @@ change, which keeps it symmetric.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -23,10 +22,9 @@ from fea.arrays import F64
 from fea.assembly import Load
 from fea.contact import SurfaceContact
 from fea.newton import Contact, ContactState, NewtonOptions, Outcome, solve_equilibrium
+from fea.tangential import TangentialPairs
 from fea.workspace import Workspace
 
-_LINEAR_M = 1e3
-"""Choice: a length so long that friction is linear in the slip; used to average slips."""
 _FIRST_TOLERANCE = 3e-3
 """Choice: residual at which the normal forces of the last state give way to those of every iterate."""
 
@@ -40,33 +38,30 @@ class FrictionalContact:
     surfaces : SurfaceContact
     anchor_m : array [n_nodes, 3]
         Displacement from which slip counts: that of the last converged step less the elastic slip.
-    pairs : ipctk.TangentialCollisions or None
+    pairs : TangentialPairs or None
         Frozen normal forces and tangent planes; None: those of the displacement that is evaluated.
     """
 
     surfaces: SurfaceContact
     anchor_m: F64
-    pairs: Any = None
+    pairs: TangentialPairs | None = None
 
     def evaluate(self, u_m: F64, *, project: bool = True) -> ContactState:
         """Return forces and Hessian of barrier and friction.
 
-        With frozen pairs, in a step's first stage, or ``project`` friction's is the secant stiffness N f / s: Newton's
-        own tangent is nothing where all slides, and overshoots without end where the sliding turns back. It is positive
-        semi-definite too, except where pairs are counted once: those that take away can outweigh the rest at a node.
+        Newton's own tangent of friction is nothing where all slides: it takes the fewest iterations (2 where each
+        pair's secant takes 7), and where it leads up the energy ``project`` gives the secant instead.
         """
         pairs, slip = self._pairs(u_m), u_m - self.anchor_m
         normal = self.surfaces.evaluate(u_m, project=project)
-        friction = self.surfaces.friction_state(pairs, slip, self._length)
-        hessian = self._secant(pairs, slip) if project or self.pairs is not None else friction.hessian
-        return ContactState(force_n=normal.force_n + friction.force_n, hessian=(normal.hessian + hessian).tocsr())
+        hessian = normal.hessian + pairs.hessian(slip, secant=project)
+        return ContactState(force_n=normal.force_n + pairs.force_n(slip), hessian=sp.csr_array(hessian))
 
     def energy(self, u_m: F64) -> float | None:
         """Return the energy [J] with frozen pairs; None without them, where friction has no potential."""
         if self.pairs is None:
             return None
-        friction = self.surfaces.friction_energy(self.pairs, u_m - self.anchor_m, self._length)
-        return self.surfaces.energy(u_m) + friction
+        return self.surfaces.energy(u_m) + self.pairs.energy_j(u_m - self.anchor_m)
 
     def step_bound(self, u_m: F64, trial_m: F64) -> float:
         """Return the collision-free fraction of the way."""
@@ -74,7 +69,7 @@ class FrictionalContact:
 
     def friction_force_n(self, u_m: F64) -> F64:
         """Return friction's part of the forces [n_nodes, 3]."""
-        return self.surfaces.friction_force(self._pairs(u_m), u_m - self.anchor_m, self._length)
+        return self._pairs(u_m).force_n(u_m - self.anchor_m)
 
     def frozen(self, u_m: F64) -> "FrictionalContact":
         """Return the contact with the normal forces and tangent planes of displacement u."""
@@ -89,23 +84,13 @@ class FrictionalContact:
 
         Pairs come and go, nodes stay: a node keeps the average over its pairs.
         """
-        slip = _mean_slip(self.surfaces, self.surfaces.friction_pairs(u_m), u_m - self.anchor_m)
+        slip = self.surfaces.friction_pairs(u_m).mean_slip_m(u_m - self.anchor_m)
         size = np.linalg.norm(slip, axis=1, keepdims=True)
-        return np.asarray(0.5 * slip * np.minimum(1.0, self._length / np.maximum(size, 1e-300)))
+        return np.asarray(
+            0.5 * slip * np.minimum(1.0, self.surfaces.options.friction_slip_m / np.maximum(size, 1e-300))
+        )
 
-    def _secant(self, pairs: Any, slip_m: F64) -> sp.csr_array:
-        """Return the Hessian at no slip, scaled by the secant f(y) / y at the nodes' mean slips."""
-        linear = self.surfaces.friction_state(pairs, np.zeros_like(slip_m), self._length).hessian
-        y = np.linalg.norm(_mean_slip(self.surfaces, pairs, slip_m), axis=1) / self._length
-        secant = np.where(y < 1.0, 2.0 - y, 1.0 / np.maximum(y, 1.0))
-        diagonal = sp.diags_array(np.repeat(np.sqrt(secant / 2.0), 3))  # f'(0) = 2
-        return sp.csr_array(diagonal @ linear @ diagonal)
-
-    @property
-    def _length(self) -> float:
-        return self.surfaces.options.friction_slip_m
-
-    def _pairs(self, u_m: F64) -> Any:
+    def _pairs(self, u_m: F64) -> TangentialPairs:
         return self.surfaces.friction_pairs(u_m) if self.pairs is None else self.pairs
 
 
@@ -116,7 +101,7 @@ def accumulated_slip_m(surfaces: SurfaceContact, states_m: Sequence[F64]) -> F64
     """
     total = np.zeros(len(surfaces.first_nodes))
     for before, after in pairwise(states_m):
-        slip = _mean_slip(surfaces, surfaces.friction_pairs(after, coefficient=1.0), after - before)
+        slip = surfaces.friction_pairs(after, coefficient=1.0).mean_slip_m(after - before)
         total += np.linalg.norm(slip[surfaces.first_nodes], axis=1)
     return total
 
@@ -199,28 +184,3 @@ def solve_step(
         return first
     second = solve_equilibrium(work, first.u_m, load, options, contact=contact, on_iteration=on_iteration)
     return replace(second, iterations=first.iterations + second.iterations, cost=first.cost + second.cost)
-
-
-def _mean_slip(surfaces: SurfaceContact, pairs: Any, slip_m: F64) -> F64:
-    """Return each node's slip [n_nodes, 3], the average over its pairs; zero where nothing touches.
-
-    Least squares over the node's pairs, weighted by their normal force and the node's share in them: M s = g with
-    M = sum of c N T^T T and g = sum of c N T^T s. The linear law's force on the node is g, and unit translations of
-    one side along the axes give the columns of M.
-    """
-    moment = -surfaces.friction_force(pairs, slip_m, _LINEAR_M)
-    on_first = np.zeros(len(slip_m), dtype=bool)
-    on_first[surfaces.first_nodes] = True
-    matrix = np.zeros((len(slip_m), 3, 3))
-    for axis in range(3):
-        unit = np.zeros_like(slip_m)
-        unit[on_first, axis] = 1.0
-        matrix[:, :, axis] = -surfaces.friction_force(pairs, unit, _LINEAR_M)
-    matrix[~on_first] *= -1.0  # the other side is pulled the other way
-    weight = np.trace(matrix, axis1=1, axis2=2)
-    touching = weight > 1e-9 * max(float(weight.max()), 1e-300)
-    slip = np.zeros_like(slip_m)
-    # the normal direction has no stiffness, or little where planes differ: it takes no part
-    inverse = np.linalg.pinv(matrix[touching], rcond=0.1, hermitian=True)
-    slip[touching] = (inverse @ moment[touching, :, None])[..., 0]
-    return slip
