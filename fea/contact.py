@@ -141,6 +141,10 @@ class SurfaceContact:
         face = (force[self._first] * share / area[self._first]).sum(axis=1) / share.sum(axis=1)
         return np.asarray(np.bincount(self._first.ravel(), (share * face[:, None]).ravel(), minlength=n) / area)
 
+    def held(self, _u_m: F64, /) -> "SurfaceContact":
+        """Return itself: its forces have an energy."""
+        return self
+
     def step_bound(self, u_m: F64, trial_m: F64) -> float:
         """Return the collision-free fraction of the straight way from u to the trial (additive CCD, Li et al. 2021)."""
         start, end = self._positions(u_m), self._positions(trial_m)

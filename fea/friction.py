@@ -7,8 +7,8 @@ for good: a return mapping as in elastoplasticity (Simo & Laursen 1992, Comput. 
 simulation, a body that sticks would creep by up to the length in every load step.
 
 The normal forces N and planes T belong to the state that is reached: a step is first solved with those of the last
-state and then with those of every iterate, so that at convergence nothing lags. Only the tangent leaves out how N and T
-change, which keeps it symmetric.
+state and then with those of every iterate, so that at convergence nothing lags. Only the tangent and the energy that
+each iteration must lower leave out how N and T change, which keeps the one symmetric and makes the other exist.
 """
 
 from collections.abc import Callable, Sequence
@@ -57,11 +57,13 @@ class FrictionalContact:
         hessian = normal.hessian + pairs.hessian(slip, secant=project)
         return ContactState(force_n=normal.force_n + pairs.force_n(slip), hessian=sp.csr_array(hessian))
 
-    def energy(self, u_m: F64) -> float | None:
-        """Return the energy [J] with frozen pairs; None without them, where friction has no potential."""
-        if self.pairs is None:
-            return None
-        return self.surfaces.energy(u_m) + self.pairs.energy_j(u_m - self.anchor_m)
+    def energy(self, u_m: F64) -> float:
+        """Return the energy [J]; with the normal forces of each displacement it has other forces than these."""
+        return self.surfaces.energy(u_m) + self._pairs(u_m).energy_j(u_m - self.anchor_m)
+
+    def held(self, u_m: F64, /) -> "FrictionalContact":
+        """Return the contact with the normal forces and tangent planes of displacement u, unless it has some."""
+        return replace(self, pairs=self._pairs(u_m))
 
     def step_bound(self, u_m: F64, trial_m: F64) -> float:
         """Return the collision-free fraction of the way."""
@@ -70,10 +72,6 @@ class FrictionalContact:
     def friction_force_n(self, u_m: F64) -> F64:
         """Return friction's part of the forces [n_nodes, 3]."""
         return self._pairs(u_m).force_n(u_m - self.anchor_m)
-
-    def frozen(self, u_m: F64) -> "FrictionalContact":
-        """Return the contact with the normal forces and tangent planes of displacement u."""
-        return replace(self, pairs=self.surfaces.friction_pairs(u_m))
 
     def advanced(self, u_m: F64) -> "FrictionalContact":
         """Return the contact of the next step after converging at u."""
@@ -120,10 +118,13 @@ class Together:
             hessian = hessian + state.hessian
         return ContactState(force_n=np.sum([s.force_n for s in states], axis=0), hessian=sp.csr_array(hessian))
 
-    def energy(self, u_m: F64) -> float | None:
-        """Return the sum [J], or None where one has none."""
-        energies = [part.energy(u_m) for part in self.parts]
-        return None if None in energies else float(sum(e for e in energies if e is not None))
+    def energy(self, u_m: F64) -> float:
+        """Return the sum [J]."""
+        return float(sum(part.energy(u_m) for part in self.parts))
+
+    def held(self, u_m: F64, /) -> "Together":
+        """Return the contacts held."""
+        return Together(parts=tuple(part.held(u_m) for part in self.parts))
 
     def step_bound(self, u_m: F64, trial_m: F64) -> float:
         """Return the smallest fraction."""
@@ -142,12 +143,6 @@ def advance(contact: Contact | None, u_m: F64) -> Contact | None:
     if isinstance(contact, FrictionalContact):
         return contact.advanced(u_m)
     return _each(contact, lambda part: advance(part, u_m))
-
-
-def _frozen(contact: Contact | None, u_m: F64) -> Contact | None:
-    if isinstance(contact, FrictionalContact):
-        return contact.frozen(u_m)
-    return _each(contact, lambda part: _frozen(part, u_m))
 
 
 def _each(contact: Contact | None, change: Callable[[Contact], Contact | None]) -> Contact | None:
@@ -177,9 +172,10 @@ def solve_step(
         return solve_equilibrium(
             work, u_m, load, options, balanced=balanced, contact=contact, on_iteration=on_iteration
         )
-    frozen = _frozen(contact, u_m)
+    assert contact is not None
+    held = contact.held(u_m)
     rough = replace(options, relative_tolerance=max(_FIRST_TOLERANCE, options.relative_tolerance))
-    first = solve_equilibrium(work, u_m, load, rough, balanced=balanced, contact=frozen, on_iteration=on_iteration)
+    first = solve_equilibrium(work, u_m, load, rough, balanced=balanced, contact=held, on_iteration=on_iteration)
     if not first.converged:
         return first
     second = solve_equilibrium(work, first.u_m, load, options, contact=contact, on_iteration=on_iteration)

@@ -60,8 +60,12 @@ class Contact(Protocol):
         """Return forces and Hessian at displacements [n_nodes, 3]; ``project`` makes it positive semi-definite."""
         ...
 
-    def energy(self, u_m: F64) -> float | None:
-        """Return the energy [J] whose gradient the forces are, or None where there is none."""
+    def energy(self, u_m: F64) -> float:
+        """Return the energy [J]; the forces are its gradient where the contact is held."""
+        ...
+
+    def held(self, u_m: F64, /) -> "Contact":
+        """Return the contact that has an energy and these forces at u: friction with the normal forces of u."""
         ...
 
     def step_bound(self, u_m: F64, trial_m: F64) -> float:
@@ -165,7 +169,8 @@ class _Solve:
                 state = self.work.model.evaluate(u, carried)
             if state is None or state.tangent is None:
                 return Outcome(status=Status.INVERTED, u_m=u, iterations=iteration, residual=np.inf)
-            imbalance, tangent = self._system(u, state, state.tangent, settled=carried is self.load)
+            held = self if self.contact is None else replace(self, contact=self.contact.held(u))
+            imbalance, tangent = held._system(u, state, state.tangent, settled=carried is self.load)
             # a step that ends without load is measured against the forces that it started with
             start = start or _scale(state)
             relative = float(np.linalg.norm(imbalance)) / max(start, _scale(state))
@@ -174,10 +179,10 @@ class _Solve:
                 return Outcome(status=Status.CONVERGED, u_m=u, iterations=iteration, residual=relative)
             if iteration == options.max_iterations or (iteration >= options.patience and relative > HOPELESS):
                 break
-            step = self._direction(u, state, tangent, imbalance)
+            step = held._direction(u, state, tangent, imbalance)
             if step is None:
                 return Outcome(status=Status.SINGULAR, u_m=u, iterations=iteration, residual=relative)
-            moved = self._advance(u, step, float(step @ imbalance), settled=carried is self.load)
+            moved = held._advance(u, step, float(step @ imbalance), settled=carried is self.load)
             if moved is None:
                 return Outcome(status=Status.STALLED, u_m=u, iterations=iteration + 1, residual=relative)
             u, share = moved
@@ -249,8 +254,7 @@ class _Solve:
         if energy is None or self.contact is None:
             return energy is not None, energy
         with self.watch.time("contact"):
-            more = self.contact.energy(u)
-        return True, None if more is None else energy + more
+            return True, energy + self.contact.energy(u)
 
 
 def _falls(before: float | None, after: float | None, slope: float) -> bool:

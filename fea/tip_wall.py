@@ -48,6 +48,10 @@ class TipWall:
         """Return the springs' energy [J]."""
         return 0.5 * self.stiffness_n_per_m * float((self._depth(u_m) ** 2).sum())
 
+    def held(self, _u_m: F64, /) -> "TipWall":
+        """Return itself: its forces have an energy."""
+        return self
+
     def step_bound(self, u_m: F64, trial_m: F64) -> float:  # noqa: ARG002 - springs may be passed
         """Return 1: any step may be tried."""
         return 1.0

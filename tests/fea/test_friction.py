@@ -42,7 +42,7 @@ def over(pair, shift=(0.0, 0.0, -0.07e-3), seed=0):
 @pytest.mark.parametrize("slip", [0.3 * SLIP, 30.0 * SLIP])
 def test_tangent_is_the_derivative_of_the_force_where_normal_forces_are_frozen(pair, slip):
     u = over(pair)
-    contact = begin(pair.contact, u).frozen(u)
+    contact = begin(pair.contact, u).held(u)
     u = u + over(pair, (slip, 0.5 * slip, 0.0), seed=1) * np.array([1.0, 1.0, 0.0])
     direction = np.random.default_rng(2).standard_normal(u.shape)
     h = 1e-10
