@@ -115,10 +115,15 @@ class SurfaceContact:
         """Return forces and the Hessian, projected to positive semi-definite pair by pair unless told otherwise."""
         x = self._positions(u_m)
         collisions = self._collisions(x)
-        force = self._nodal(-self._potential.gradient(collisions, self._mesh, x))
         method = self._ipc.PSDProjectionMethod.CLAMP if project else self._ipc.PSDProjectionMethod.NONE
         local = self._potential.hessian(collisions, self._mesh, x, method)
+        force = self._nodal(-self._potential.gradient(collisions, self._mesh, x))
         return ContactState(force_n=force, hessian=self._upper(local))
+
+    def force_n(self, u_m: F64) -> F64:
+        """Return the forces alone [n_nodes, 3]."""
+        x = self._positions(u_m)
+        return self._nodal(-self._potential.gradient(self._collisions(x), self._mesh, x))
 
     def friction_pairs(self, u_m: F64, coefficient: float | None = None) -> TangentialPairs:
         """Return the pairs with the normal forces and tangent planes at displacements u (options' coefficient)."""
@@ -135,7 +140,7 @@ class SurfaceContact:
         First each face gets its share of its nodes' forces over its area, then each node the mean of its faces: on
         quadratic elements a uniform pressure gives no force at vertices, so single nodes would tell nothing.
         """
-        force = np.linalg.norm(self.evaluate(u_m).force_n[self.first_nodes], axis=1)
+        force = np.linalg.norm(self.force_n(u_m)[self.first_nodes], axis=1)
         share, n = self._facet_area_m2, len(force)  # [n_faces, 6 or 3]
         area = np.bincount(self._first.ravel(), share.ravel(), minlength=n)
         face = (force[self._first] * share / area[self._first]).sum(axis=1) / share.sum(axis=1)

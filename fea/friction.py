@@ -57,6 +57,10 @@ class FrictionalContact:
         hessian = normal.hessian + pairs.hessian(slip, secant=project)
         return ContactState(force_n=normal.force_n + pairs.force_n(slip), hessian=sp.csr_array(hessian))
 
+    def force_n(self, u_m: F64) -> F64:
+        """Return the forces of barrier and friction [n_nodes, 3]."""
+        return self.surfaces.force_n(u_m) + self.friction_force_n(u_m)
+
     def energy(self, u_m: F64) -> float:
         """Return the energy [J]; with the normal forces of each displacement it has other forces than these."""
         return self.surfaces.energy(u_m) + self._pairs(u_m).energy_j(u_m - self.anchor_m)
@@ -117,6 +121,10 @@ class Together:
         for state in states:
             hessian = hessian + state.hessian
         return ContactState(force_n=np.sum([s.force_n for s in states], axis=0), hessian=sp.csr_array(hessian))
+
+    def force_n(self, u_m: F64) -> F64:
+        """Return the sum [n_nodes, 3]."""
+        return np.asarray(np.sum([part.force_n(u_m) for part in self.parts], axis=0))
 
     def energy(self, u_m: F64) -> float:
         """Return the sum [J]."""

@@ -27,6 +27,9 @@ _SUFFICIENT_DECREASE = 1e-4
 _ROUNDING = 1e-12
 """Choice: share of the energy by which rounding may hide a decrease."""
 _SEARCH_HALVINGS = 10
+_OVERSHOT = 1.0
+"""Choice: relative imbalance beyond which a step has run into a barrier. Steps that go well leave less than 0.7 on the
+finger; after those that left 1.7 to 30 Newton's method failed or took many small steps back."""
 HOPELESS = 0.3
 """Choice: of the finger's load steps one was seen to converge that still had this residual after 8 iterations."""
 _WHOLE = 1.0 - 1e-9
@@ -58,6 +61,10 @@ class Contact(Protocol):
 
     def evaluate(self, u_m: F64, *, project: bool = True) -> ContactState:
         """Return forces and Hessian at displacements [n_nodes, 3]; ``project`` makes it positive semi-definite."""
+        ...
+
+    def force_n(self, u_m: F64) -> F64:
+        """Return the forces alone [n_nodes, 3]."""
         ...
 
     def energy(self, u_m: F64) -> float:
@@ -182,7 +189,7 @@ class _Solve:
             step = held._direction(u, state, tangent, imbalance)
             if step is None:
                 return Outcome(status=Status.SINGULAR, u_m=u, iterations=iteration, residual=relative)
-            moved = held._advance(u, step, float(step @ imbalance), settled=carried is self.load)
+            moved = held._advance(u, step, float(step @ imbalance), carried)
             if moved is None:
                 return Outcome(status=Status.STALLED, u_m=u, iterations=iteration + 1, residual=relative)
             u, share = moved
@@ -223,16 +230,16 @@ class _Solve:
                 return step
         return None
 
-    def _advance(self, u: F64, step: F64, slope: float, *, settled: bool) -> tuple[F64, float] | None:
+    def _advance(self, u: F64, step: F64, slope: float, carried: Load) -> tuple[F64, float] | None:
         """Return the displacement after the step and the share of it taken, or None where no share will do.
 
-        The share keeps the cap, what is free of collisions, elements upright and, once the load is carried as a whole
-        (``settled``), the energy falling.
+        The share keeps the cap, what is free of collisions and elements upright. While the load is still being taken up
+        it also keeps the forces near balance, and then the energy falling.
         """
         nodal = np.zeros_like(u)
         nodal.reshape(-1)[self.work.model.free] = step
         share = min(1.0, self.options.step_cap_m / max(float(np.abs(nodal).max()), 1e-30))
-        before = self._energy(u)[1] if settled else None
+        before = self._energy(u) if carried is self.load else None
         for attempt in range(_SEARCH_HALVINGS):
             trial = u + self.work.retraction(u, share * nodal)
             if self.contact is not None and attempt == 0:
@@ -241,27 +248,38 @@ class _Solve:
                 if bound < 1.0:
                     share *= BOUND_SHARE * bound
                     trial = u + self.work.retraction(u, share * nodal)
-            upright, after = self._energy(trial)
-            if upright and _falls(before, after, share * slope):
+            if before is None:
+                good = self._imbalance(trial, carried.towards(self.load, share)) < _OVERSHOT
+            else:
+                after = self._energy(trial)
+                good = after <= before - _SUFFICIENT_DECREASE * share * slope + _ROUNDING * abs(before)
+            if good:
                 return trial, share
             share *= 0.5
         return None
 
-    def _energy(self, u: F64) -> tuple[bool, float | None]:
-        """Return whether every element is upright, and the potential [J] if there is one."""
+    def _imbalance(self, u: F64, load: Load) -> float:
+        """Return the relative imbalance under a load, infinite where an element is inverted."""
+        with self.watch.time("assembly"):
+            state = self.work.model.evaluate(u, load, tangent=False)
+        if state is None:
+            return np.inf
+        imbalance = state.external_n - state.internal_n
+        if self.contact is not None:
+            with self.watch.time("contact"):
+                imbalance = imbalance + self.contact.force_n(u).ravel()[self.work.model.free]
+        return float(np.linalg.norm(imbalance)) / _scale(state)
+
+    def _energy(self, u: F64) -> float:
+        """Return the potential [J], infinite where an element is inverted."""
         with self.watch.time("assembly"):
             energy = self.work.model.energy(u, self.load)
-        if energy is None or self.contact is None:
-            return energy is not None, energy
+        if energy is None:
+            return np.inf
+        if self.contact is None:
+            return energy
         with self.watch.time("contact"):
-            return True, energy + self.contact.energy(u)
-
-
-def _falls(before: float | None, after: float | None, slope: float) -> bool:
-    """Tell whether the energy falls enough; where there is none to compare, any step will do."""
-    if before is None or after is None:
-        return True
-    return after <= before - _SUFFICIENT_DECREASE * slope + _ROUNDING * abs(before)
+            return energy + self.contact.energy(u)
 
 
 def _scale(state: Evaluation) -> float:

@@ -13,9 +13,9 @@ from fea.friction import advance, begin, solve_step
 from fea.newton import Contact, NewtonOptions, Outcome, Status
 from fea.workspace import workspace
 
-_EASY, _HARD = 6, 10
+_EASY, _HARD = 8, 12
 _GROWTH, _SHRINKAGE = 1.5, 0.8
-"""Choices: a step of at most 6 iterations lets the next grow, one of more than 10 makes it shrink."""
+"""Choices: a step of at most 8 iterations lets the next grow, one of more than 12 makes it shrink."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -15,8 +15,8 @@ from fea.contact import ContactOptions
 from fea.density import Density
 from fea.exoskeleton import analyse_exoskeleton, exoskeleton_model
 from fea.fields import node_strain, point_positions, von_mises_fields
+from fea.finger import CONTACT, FRICTION, PressurePath, analyse_finger, finger_model
 from fea.finger import MESHES as FINGER_MESHES
-from fea.finger import PressurePath, analyse_finger, finger_model
 from fea.geometry import JOINT_NAMES, FingerGeometry
 from fea.linear_solver import solver_name
 from fea.materials import Material
@@ -33,14 +33,14 @@ class FingerCase:
     Attributes
     ----------
     friction : float
-        Coulomb's coefficient of silicone on TPU, 0 to 2. Choice: 0.3; no measured value was found.
+        Coulomb's coefficient of silicone on TPU, 0 to 2.
     unload : bool
         Go back to zero pressure.
     sensor_distance_m : float or None
         Distance of a wall in front of the tip; None: the tip is free.
     """
 
-    friction: float = 0.3
+    friction: float = FRICTION
     unload: bool = True
     sensor_distance_m: float | None = None
 
@@ -162,7 +162,7 @@ def exoskeleton_study(setup: Setup, loads_n: Sequence[float], sweep: Sweep) -> S
 def finger_study(setup: Setup, pressures_pa_gauge: Sequence[float], sweep: Sweep) -> Study:
     """Analysis (iii): inflate the actuator inside the exoskeleton, and deflate it again."""
     case, g = setup.finger, setup.geometry
-    contact = ContactOptions(friction=case.friction, count_once=True)
+    contact = replace(CONTACT, friction=case.friction)
     mesh = FINGER_MESHES[setup.density.name]
     model = finger_model(g, setup.silicone, setup.pet, setup.tpu, mesh, contact=contact)
     wall = None

@@ -37,12 +37,16 @@ class TipWall:
 
     def evaluate(self, u_m: F64, *, project: bool = True) -> ContactState:  # noqa: ARG002 - never indefinite
         """Return forces and Hessian at displacements [n_nodes, 3]."""
-        depth = self._depth(u_m)
-        force = np.zeros_like(u_m)
-        force[self.nodes, 0] = -self.stiffness_n_per_m * depth
-        touched = 3 * self.nodes[depth > 0.0]
+        touched = 3 * self.nodes[self._depth(u_m) > 0.0]
         values = np.full(len(touched), self.stiffness_n_per_m)
-        return ContactState(force_n=force, hessian=sp.csr_array((values, (touched, touched)), shape=(u_m.size,) * 2))
+        hessian = sp.csr_array((values, (touched, touched)), shape=(u_m.size,) * 2)
+        return ContactState(force_n=self.force_n(u_m), hessian=hessian)
+
+    def force_n(self, u_m: F64) -> F64:
+        """Return the forces alone [n_nodes, 3]."""
+        force = np.zeros_like(u_m)
+        force[self.nodes, 0] = -self.stiffness_n_per_m * self._depth(u_m)
+        return force
 
     def energy(self, u_m: F64) -> float:
         """Return the springs' energy [J]."""
@@ -56,7 +60,7 @@ class TipWall:
         """Return 1: any step may be tried."""
         return 1.0
 
-    def force_n(self, u_m: F64) -> float:
+    def push_n(self, u_m: F64) -> float:
         """Return the force on the wall by the modelled half [N]."""
         return self.stiffness_n_per_m * float(self._depth(u_m).sum())
 

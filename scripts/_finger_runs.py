@@ -3,7 +3,7 @@
 import resource
 import sys
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
 from typing import Any
@@ -11,8 +11,7 @@ from typing import Any
 import numpy as np
 
 from fea.checkpoint import code_version
-from fea.contact import ContactOptions
-from fea.finger import MESHES, FingerResult, analyse_finger, finger_model
+from fea.finger import CONTACT, FRICTION, MESHES, FingerResult, analyse_finger, finger_model
 from fea.geometry import FingerGeometry
 from fea.linear_solver import solver_name
 from fea.materials import load_material
@@ -33,7 +32,7 @@ class Case:
     silicone_set: str = "set3"
     tpu_set: str = "set3"
     volumetric: str | None = None
-    friction: float | None = None
+    friction: float = FRICTION
     unload: bool = False
 
     def as_dict(self) -> dict[str, Any]:
@@ -89,7 +88,7 @@ def solve(case: Case, sweep: Sweep) -> dict[str, Any]:
         load_material("pet"),
         load_material("ninjaflex", case.tpu_set),
         MESHES[case.mesh],
-        contact=None if case.friction is None else ContactOptions(friction=case.friction, count_once=True),
+        contact=replace(CONTACT, friction=case.friction),
         formulation=case.formulation,
     )
     result = analyse_finger(model, case.geometry, case.pressures_pa_gauge, unload=case.unload, sweep=sweep)

@@ -17,7 +17,7 @@ from tqdm import tqdm
 from assets import asset_path
 from fea.checkpoint import code_version
 from fea.contact import ContactOptions
-from fea.finger import FORMULATIONS, MESHES, PRESSURES_PA_GAUGE
+from fea.finger import FORMULATIONS, FRICTION, MESHES, PRESSURES_PA_GAUGE
 from fea.geometry import FingerGeometry
 from fea.materials import VOLUMETRIC_READINGS
 from scripts import _cli, _finger_markdown
@@ -172,7 +172,13 @@ def parser() -> _cli.Parser:
     p.add_argument(
         "--to", type=_cli.positive_float, metavar="KPA", help="highest pressure (75; materials, surrogate: 80)"
     )
-    p.add_argument("--friction", type=_cli.non_negative_float, metavar="MU", help="Coulomb's coefficient (the model's)")
+    p.add_argument(
+        "--friction",
+        type=_cli.non_negative_float,
+        metavar="MU",
+        default=FRICTION,
+        help="Coulomb's coefficient (%(default)s)",
+    )
     p.add_argument("--unload", action="store_true", help="go down again after the highest pressure")
     _cli.add_dimension(p)
     p.add_common(seed="taken for uniformity; nothing is random", json="keep the runs here")
@@ -240,8 +246,7 @@ def _check(args: Any, table: Table) -> None:
                 raise ValueError(f"{option}: not an option of {args.table}")
     if args.percent is not None and args.by_mm is not None:
         raise ValueError("--percent, --by-mm: give one of them")
-    if args.friction is not None:
-        ContactOptions(friction=args.friction)  # refuses it by name
+    ContactOptions(friction=args.friction)  # refuses it by name
     _cli.check_writable(args.json)
 
 

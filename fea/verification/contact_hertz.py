@@ -90,7 +90,7 @@ def indent(*, cells: int = 4) -> Indentation:
         u = outcome.u_m
     work.close()
     nodes = contact.first_nodes
-    force = -contact.evaluate(u).force_n[nodes, 2]
+    force = -contact.force_n(u)[nodes, 2]
     return Indentation(
         depth_m=-float(u[centre, 2]),
         force_n=4.0 * float(force.sum()),

@@ -94,7 +94,7 @@ def contact_patch(cells: tuple[int, int] = (3, 4), *, count_once: bool = True) -
     model, mesh = pair.model, pair.model.mesh
     state = model.evaluate(u, Load(), tangent=False)
     assert state is not None
-    x, push = mesh.points_m + u, pair.contact.evaluate(u).force_n
+    x, push = mesh.points_m + u, pair.contact.force_n(u)
     bottom = mesh.points_m[:, 2] == 0.0
     wrenches = np.array(
         [

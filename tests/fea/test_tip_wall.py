@@ -24,7 +24,7 @@ def test_force_and_hessian_are_derivatives_of_the_energy():
     assert slope == pytest.approx(-float((state.force_n * way).sum()), rel=1e-7)
     bend = (wall.evaluate(u + h * way).force_n - wall.evaluate(u - h * way).force_n) / (2.0 * h)
     np.testing.assert_allclose(-bend.ravel(), state.hessian @ way.ravel(), atol=1e-7)
-    assert wall.force_n(u) == pytest.approx(-state.force_n[:, 0].sum())
+    assert wall.push_n(u) == pytest.approx(-state.force_n[:, 0].sum())
 
 
 def test_tip_stops_at_the_sensor_and_presses_on_it(geometry, materials):
