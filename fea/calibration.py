@@ -9,17 +9,15 @@ from fea.actuator import RING, ActuatorResult, actuator_model, analyse_actuator
 from fea.density import Density
 from fea.exoskeleton import ExoskeletonResult, analyse_exoskeleton, exoskeleton_model
 from fea.finger import MESHES, FingerModel, FingerResult, analyse_finger, finger_model
+from fea.finger_path import FingerPath
 from fea.geometry import FingerGeometry
 from fea.identification import Fit, reduce_finger
 from fea.materials import Material, load_material
 
 TARGET_TIP_ANGLE_DEG, TARGET_PRESSURE_PA_GAUGE = 95.0, 75e3
 """The one stated angle: Alves et al., section 4.2."""
-FINGER_PRESSURES_PA_GAUGE = tuple(
-    1e3 * p for p in (2, 5, 8, 12.5, 17, 21.5, 28.25, 36.25, 44.25, 52.25, 60.25, 68.25, 75, 80)
-)
-"""Choice: load steps that the solver takes by itself, so that none is cut short (77 iterations on the
-former coarse mesh, where round ones took 94)."""
+FINGER_PRESSURES_PA_GAUGE = tuple(1e3 * p for p in (1.5, 3.75, 7, 12, 19.5, 27.5, 35.5, 43.5, 51.5, 59.5, 67.5, 75, 80))
+"""Choice: load steps that the solver takes by itself, so that none is cut short."""
 NARROWEST_DEG, WIDEST_DEG = 40.0, 88.0
 """Choice: half angles of the palm sector that leave a flexure and a gap."""
 CLOSE_DEG, ACCEPTED_DEG = 0.1, 0.5
@@ -98,7 +96,7 @@ def complete(
     exoskeleton = analyse_exoskeleton(model, geometry, materials.tpu, progress=progress)
     shell = 2.0 * float(model.weights.sum()) * materials.tpu.density_kg_m3
     whole = _finger_model(geometry, materials, density)
-    finger = analyse_finger(whole, geometry, list(FINGER_PRESSURES_PA_GAUGE), progress=progress)
+    finger = analyse_finger(whole, geometry, FingerPath(FINGER_PRESSURES_PA_GAUGE), progress=progress)
     return Calibration(
         geometry=geometry,
         materials=materials,
@@ -128,7 +126,7 @@ def choose_sector(
     def angle_error_deg(sector_deg: float) -> float | None:
         candidate = replace(geometry, sector_half_angle_rad=float(np.deg2rad(sector_deg)))
         model = _finger_model(candidate, materials, density)
-        result = analyse_finger(model, candidate, [TARGET_PRESSURE_PA_GAUGE], progress=progress)
+        result = analyse_finger(model, candidate, FingerPath((TARGET_PRESSURE_PA_GAUGE,)), progress=progress)
         if result.pressure_pa_gauge[-1] < TARGET_PRESSURE_PA_GAUGE:
             return None
         return float(np.rad2deg(result.tip_angle_rad[-1])) - TARGET_TIP_ANGLE_DEG

@@ -1,6 +1,6 @@
 """Analysis (iii): the complete finger, actuator inside exoskeleton with contact, under pressure."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,9 +11,9 @@ from fea.assembly import Load, SolidModel
 from fea.contact import ContactOptions, SurfaceContact
 from fea.cost import NO_COST, Cost
 from fea.exoskeleton import ExoskeletonMesh, exoskeleton_lattice, section_motions
+from fea.finger_path import FingerPath
 from fea.friction import Together, accumulated_slip_m
 from fea.geometry import FingerGeometry
-from fea.inputs import check_pressures
 from fea.lattice import VOID, Lattice, build_mesh, free_faces, symmetry_nodes
 from fea.materials import Material
 from fea.meshes import linear_mesh
@@ -23,7 +23,7 @@ from fea.tip_wall import TipWall
 
 TPU = 2
 FORMULATIONS = ("P1", "P2")
-PRESSURES_PA_GAUGE = tuple(1e3 * p for p in (2, 5, 10, 15, 20, 25, 30, 37.5, 45, 52.5, 60, 65, 70, 75, 80))
+PRESSURES_PA_GAUGE = tuple(1e3 * p for p in (2, 5, 10, 15, 22.5, 30, 37.5, 45, 52.5, 60, 67.5, 75, 80))
 
 FRICTION = 0.3
 """Choice: Coulomb's coefficient of silicone on printed TPU; no measured value was found."""
@@ -82,8 +82,8 @@ class FingerResult:
     Attributes
     ----------
     branch : tuple of str [n]
-        ``"loading"`` or ``"unloading"``.
-    pressure_pa_gauge : array [n]
+        ``"loading"``, ``"unloading"`` or ``"tip load"``.
+    pressure_pa_gauge, tip_load_n : arrays [n]
     tip_angle_rad : array [n]
         Rotation of the distal section, positive in flexion.
     joint_angle_rad : array [n, 3]
@@ -108,6 +108,7 @@ class FingerResult:
 
     branch: tuple[str, ...]
     pressure_pa_gauge: F64
+    tip_load_n: F64
     tip_angle_rad: F64
     joint_angle_rad: F64
     tip_displacement_m: F64
@@ -123,32 +124,6 @@ class FingerResult:
     dofs: int
     elements: int
     cost: Cost = NO_COST
-
-
-@dataclass(frozen=True)
-class PressurePath:
-    """Gauge pressures up and, with ``unload``, down again to zero, as targets of one increasing parameter."""
-
-    pressures_pa_gauge: tuple[float, ...]
-    unload: bool = False
-
-    def __post_init__(self) -> None:
-        check_pressures(self.pressures_pa_gauge)
-
-    @property
-    def targets(self) -> list[float]:
-        """Parameters at which states are asked for."""
-        up = list(self.pressures_pa_gauge)
-        return [*up, *(2.0 * up[-1] - p for p in (*up[-2::-1], 0.0))] if self.unload else up
-
-    def pressure(self, parameter: float) -> float:
-        """Return the gauge pressure at a parameter."""
-        top = self.pressures_pa_gauge[-1]
-        return parameter if parameter <= top else 2.0 * top - parameter
-
-    def branch(self, parameter: float) -> str:
-        """Return which branch a parameter belongs to."""
-        return "loading" if parameter <= self.pressures_pa_gauge[-1] else "unloading"
 
 
 def finger_lattices(geometry: FingerGeometry, mesh: FingerMesh) -> tuple[Lattice, Lattice]:
@@ -200,19 +175,19 @@ def finger_model(
 def analyse_finger(
     model: FingerModel,
     geometry: FingerGeometry,
-    pressures_pa_gauge: Sequence[float],
+    path: FingerPath,
     *,
-    unload: bool = False,
     wall: TipWall | None = None,
     options: NewtonOptions | None = None,
     progress: Callable[[], None] = lambda: None,
     sweep: Sweep | None = None,
 ) -> FingerResult:
-    """Inflate through increasing gauge pressures, and deflate with ``unload``; ends early where equilibrium is lost.
+    """Take the finger along a path; ends early where equilibrium is lost.
 
-    With a ``wall`` in front of the tip this is the blocked test.
+    With a ``wall`` in front of the tip this is the blocked test. Tip loads are dead loads on the end plate towards the
+    back of the hand, as an object pushes that the finger closes on.
     """
-    path = PressurePath(tuple(pressures_pa_gauge), unload)
+    share = _end_plate_share(model.solid, geometry)
     parameters, states = [0.0], [np.zeros_like(model.solid.mesh.points_m)]
     rows = [_measure(model, geometry, states[0], states[0], wall)]
 
@@ -224,7 +199,10 @@ def analyse_finger(
 
     outcome = follow(
         model.solid,
-        lambda parameter: Load(pressure_pa_gauge=path.pressure(parameter)),
+        lambda parameter: Load(
+            pressure_pa_gauge=path.pressure(parameter),
+            force_n=0.5 * path.tip_load(parameter) * share if path.tip_loads_n else None,
+        ),
         path.targets,
         options or OPTIONS,
         on_target=record,
@@ -235,6 +213,7 @@ def analyse_finger(
     return FingerResult(
         branch=tuple(path.branch(parameter) for parameter in parameters),
         pressure_pa_gauge=np.array([path.pressure(parameter) for parameter in parameters]),
+        tip_load_n=np.array([path.tip_load(parameter) for parameter in parameters]),
         joint_angle_rad=table[:, 0:3],
         tip_angle_rad=table[:, 0:3].sum(axis=1),
         tip_displacement_m=table[:, 3],
@@ -265,6 +244,14 @@ def _tube_faces(solid: SolidModel, geometry: FingerGeometry) -> I64:
         return np.asarray((inner | (wall & (c[..., 0] >= g.tube_inner_radius_m - 1e-9))) & below)
 
     return free_faces(solid.mesh, near)
+
+
+def _end_plate_share(solid: SolidModel, geometry: FingerGeometry) -> F64:
+    """Each node's share of a unit load on the end plate's outer face towards the back of the hand [n_nodes, 3]."""
+    share = np.zeros_like(solid.mesh.points_m)
+    nodes = np.flatnonzero(solid.mesh.cylindrical[:, 2] >= geometry.finger_length_m - 1e-9)
+    share[nodes, 0] = -1.0 / len(nodes)
+    return share
 
 
 def _measure(

@@ -15,8 +15,9 @@ from fea.contact import ContactOptions
 from fea.density import Density
 from fea.exoskeleton import analyse_exoskeleton, exoskeleton_model
 from fea.fields import node_strain, point_positions, von_mises_fields
-from fea.finger import CONTACT, FRICTION, PressurePath, analyse_finger, finger_model
+from fea.finger import CONTACT, FRICTION, analyse_finger, finger_model
 from fea.finger import MESHES as FINGER_MESHES
+from fea.finger_path import FingerPath
 from fea.geometry import JOINT_NAMES, FingerGeometry
 from fea.linear_solver import solver_name
 from fea.materials import Material
@@ -36,18 +37,26 @@ class FingerCase:
         Coulomb's coefficient of silicone on TPU, 0 to 2.
     unload : bool
         Go back to zero pressure.
+    tip_loads_n : tuple of float
+        Increasing loads on the tip at the last pressure, instead of the way back.
     sensor_distance_m : float or None
         Distance of a wall in front of the tip; None: the tip is free.
     """
 
     friction: float = FRICTION
     unload: bool = True
+    tip_loads_n: tuple[float, ...] = ()
     sensor_distance_m: float | None = None
 
     def __post_init__(self) -> None:
         ContactOptions(friction=self.friction)
         if self.sensor_distance_m is not None and not 0.0 < self.sensor_distance_m < 0.2:
             raise ValueError(f"sensor_distance_m = {self.sensor_distance_m} must lie in (0, 0.2) m")
+        self.path((1.0,))
+
+    def path(self, pressures_pa_gauge: Sequence[float]) -> FingerPath:
+        """Return what the finger goes through."""
+        return FingerPath(tuple(pressures_pa_gauge), self.unload, self.tip_loads_n)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -169,8 +178,9 @@ def finger_study(setup: Setup, pressures_pa_gauge: Sequence[float], sweep: Sweep
     if case.sensor_distance_m is not None:
         wall = tip_wall(model.solid.mesh, g, distance_m=case.sensor_distance_m)
     sweep, kept = _keeping(sweep)
-    result = analyse_finger(model, g, pressures_pa_gauge, unload=case.unload, wall=wall, sweep=sweep)
-    parameters = PressurePath(tuple(pressures_pa_gauge), case.unload).targets[: len(result.branch) - 1]
+    path = case.path(pressures_pa_gauge)
+    result = analyse_finger(model, g, path, wall=wall, sweep=sweep)
+    parameters = path.targets[: len(result.branch) - 1]
     states = [np.zeros_like(model.solid.mesh.points_m), *(kept[parameter] for parameter in parameters)]
     figures = {
         "branch": list(result.branch),
@@ -180,6 +190,7 @@ def finger_study(setup: Setup, pressures_pa_gauge: Sequence[float], sweep: Sweep
         "tip_displacement_m": result.tip_displacement_m.tolist(),
         "volume_m3": result.volume_m3.tolist(),
         "tip_force_n": result.tip_force_n.tolist(),
+        "tip_load_n": result.tip_load_n.tolist(),
         "contact_force_n": result.contact_force_n.tolist(),
         "contact_pressure_pa": result.contact_pressure_pa.tolist(),
         "slip_m": result.slip_m.tolist(),

@@ -12,6 +12,7 @@ import numpy as np
 
 from fea.checkpoint import code_version
 from fea.finger import CONTACT, FRICTION, MESHES, FingerResult, analyse_finger, finger_model
+from fea.finger_path import FingerPath
 from fea.geometry import FingerGeometry
 from fea.linear_solver import solver_name
 from fea.materials import load_material
@@ -91,7 +92,7 @@ def solve(case: Case, sweep: Sweep) -> dict[str, Any]:
         contact=replace(CONTACT, friction=case.friction),
         formulation=case.formulation,
     )
-    result = analyse_finger(model, case.geometry, case.pressures_pa_gauge, unload=case.unload, sweep=sweep)
+    result = analyse_finger(model, case.geometry, FingerPath(case.pressures_pa_gauge, case.unload), sweep=sweep)
     return figures(result) | {"linear_solver": solver_name(), "code_sha256": code_version()}
 
 

@@ -18,7 +18,7 @@ from assets import asset_path
 from fea.checkpoint import Checkpoints
 from fea.density import DENSITIES
 from fea.exoskeleton import LOADS_N
-from fea.finger import PRESSURES_PA_GAUGE, PressurePath
+from fea.finger import PRESSURES_PA_GAUGE
 from fea.geometry import FingerGeometry
 from fea.inputs import check_loads, check_pressures
 from fea.materials import VOLUMETRIC_READINGS, Material, load_material
@@ -35,6 +35,7 @@ EXAMPLES = """examples:
   fea.py actuator --dimension actuator_inner_radius_m=0.0032 --out out/thin   # VTU, pictures, checkpoint
   fea.py finger --mesh coarse --friction 0.3 --json out/finger.json --out out/finger    # up to 80 kPa and back
   fea.py finger --mesh coarse --blocked --no-unload --json out/blocked.json             # tip force at 40 mm
+  fea.py finger --pressures 15,30,45 --tip-loads 0.05,0.1,0.2 --json out/tip_load.json  # loaded at 45 kPa
   fea.py exoskeleton --tpu ninjaflex/set2 --json out/exoskeleton.json --out out/exoskeleton
 A killed run with --out goes on from its last converged step when the same command is given again.
 """
@@ -94,7 +95,7 @@ ANALYSES = {
         loads_help="increasing gauge pressures in kPa",
         check=check_pressures,
         study=finger_study,
-        targets=lambda setup, pressures: PressurePath(tuple(pressures), setup.finger.unload).targets,
+        targets=lambda setup, pressures: setup.finger.path(pressures).targets,
         curve=("tip_angle_deg", "tip angle / degrees"),
     ),
 }
@@ -126,6 +127,12 @@ def parser() -> _cli.Parser:
         const=1e3 * SENSOR_DISTANCE_M,
         metavar="MM",
         help="finger: a force sensor in front of the tip (%(const)g mm)",
+    )
+    p.add_argument(
+        "--tip-loads",
+        type=numbers,
+        metavar="N,N",
+        help="finger: loads on the tip at the last pressure, in newtons",
     )
     p.add_argument(
         "--volumetric", choices=VOLUMETRIC_READINGS, help="reading of the volumetric term (default: the sheet's own)"
@@ -195,12 +202,13 @@ def _setup(args: Any) -> Setup:
 def _finger_case(args: Any) -> FingerCase:
     given = {
         "friction": args.friction,
-        "unload": args.unload,
+        "unload": False if args.unload is None and args.tip_loads else args.unload,
+        "tip_loads_n": None if args.tip_loads is None else tuple(args.tip_loads),
         "sensor_distance_m": None if args.blocked is None else 1e-3 * args.blocked,
     }
     given = {name: value for name, value in given.items() if value is not None}
     if given and args.analysis != "finger":
-        raise ValueError(f"--friction, --unload and --blocked are not options of {args.analysis}")
+        raise ValueError(f"--friction, --unload, --blocked and --tip-loads are not options of {args.analysis}")
     return FingerCase(**given)
 
 

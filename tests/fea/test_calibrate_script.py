@@ -51,7 +51,8 @@ def test_search_that_finds_nothing_lists_what_it_tried():
 def test_sector_is_chosen_on_the_complete_finger_and_the_actuator_runs_once(monkeypatch, geometry, materials):
     calls = []
 
-    def finger(model, candidate, pressures, *, progress):  # noqa: ARG001 - the analysis' signature
+    def finger(model, candidate, path, *, progress):  # noqa: ARG001 - the analysis' signature
+        pressures = list(path.pressures_pa_gauge)
         calls.append(pressures)
         angle = np.deg2rad(95.0 - 2.4 * (np.rad2deg(candidate.sector_half_angle_rad) - 66.0)) / 3.0
         pressure = np.array([0.0, *pressures])

@@ -5,7 +5,8 @@ import pytest
 
 from fea.actuator import ActuatorMesh
 from fea.exoskeleton import ExoskeletonMesh
-from fea.finger import FingerMesh, PressurePath, analyse_finger, finger_model
+from fea.finger import FingerMesh, analyse_finger, finger_model
+from fea.finger_path import FingerPath
 from fea.newton import Status
 from fea.tip_wall import TipWall, tip_wall
 
@@ -33,8 +34,8 @@ def test_tip_stops_at_the_sensor_and_presses_on_it(geometry, materials):
     model = finger_model(g, materials.silicone, materials.pet, materials.tpu, MESH)
     distance = 2e-3
     wall = tip_wall(model.solid.mesh, g, distance_m=distance)
-    free = analyse_finger(model, g, [1.5e3, 6e3])
-    held = analyse_finger(model, g, [1.5e3, 6e3, 8e3], wall=wall)
+    free = analyse_finger(model, g, FingerPath((1.5e3, 6e3)))
+    held = analyse_finger(model, g, FingerPath((1.5e3, 6e3, 8e3)), wall=wall)
     assert held.status is Status.CONVERGED
     np.testing.assert_allclose(held.tip_angle_rad[1], free.tip_angle_rad[1], rtol=1e-3)
     assert held.tip_force_n[1] == 0.0
@@ -48,11 +49,3 @@ def test_bad_distances_are_refused(geometry, materials):
     model = finger_model(replace(geometry, ring_count=22), materials.silicone, materials.pet, materials.tpu, MESH)
     with pytest.raises(ValueError, match="distance_m"):
         tip_wall(model.solid.mesh, geometry, distance_m=0.0)
-
-
-def test_pressure_path_goes_up_and_down():
-    path = PressurePath((2e3, 5e3), unload=True)
-    assert path.targets == [2e3, 5e3, 8e3, 10e3]
-    assert [path.pressure(t) for t in path.targets] == [2e3, 5e3, 2e3, 0.0]
-    assert [path.branch(t) for t in path.targets] == ["loading", "loading", "unloading", "unloading"]
-    assert PressurePath((2e3, 5e3)).targets == [2e3, 5e3]

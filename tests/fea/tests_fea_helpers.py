@@ -42,6 +42,7 @@ def finger_result(pressure, angle, volume) -> FingerResult:
     return FingerResult(
         branch=("loading",) * len(pressure),
         pressure_pa_gauge=pressure,
+        tip_load_n=zero,
         tip_angle_rad=angle.sum(axis=1),
         joint_angle_rad=angle,
         tip_displacement_m=zero,

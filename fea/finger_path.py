@@ -1,0 +1,54 @@
+"""What the complete finger goes through, as one increasing parameter: pressure up, then down, or a load on the tip."""
+
+from dataclasses import dataclass
+
+from fea.inputs import check_loads, check_pressures
+
+PA_PER_N = 1e5
+"""Choice: parameter per newton of tip load; load steps are then of a tenth of a newton at most."""
+
+
+@dataclass(frozen=True)
+class FingerPath:
+    """Gauge pressures up; with ``unload`` down again to zero; or tip loads up at the last pressure.
+
+    Raises
+    ------
+    ValueError
+        If pressures or loads do not increase, or both ``unload`` and ``tip_loads_n`` are given.
+    """
+
+    pressures_pa_gauge: tuple[float, ...]
+    unload: bool = False
+    tip_loads_n: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        check_pressures(self.pressures_pa_gauge)
+        if self.tip_loads_n:
+            check_loads(self.tip_loads_n)
+        if self.unload and self.tip_loads_n:
+            raise ValueError("unload, tip_loads_n: tip loads are put on at the last pressure; give one of them")
+
+    @property
+    def targets(self) -> list[float]:
+        """Parameters at which states are asked for."""
+        up = list(self.pressures_pa_gauge)
+        if self.unload:
+            return [*up, *(2.0 * up[-1] - p for p in (*up[-2::-1], 0.0))]
+        return [*up, *(up[-1] + PA_PER_N * load for load in self.tip_loads_n)]
+
+    def pressure(self, parameter: float) -> float:
+        """Return the gauge pressure at a parameter [Pa]."""
+        top = self.pressures_pa_gauge[-1]
+        return min(parameter, 2.0 * top - parameter if self.unload else top)
+
+    def tip_load(self, parameter: float) -> float:
+        """Return the load on the tip at a parameter [N]."""
+        beyond = max(0.0, parameter - self.pressures_pa_gauge[-1])
+        return beyond / PA_PER_N if self.tip_loads_n else 0.0
+
+    def branch(self, parameter: float) -> str:
+        """Return which branch a parameter belongs to."""
+        if parameter <= self.pressures_pa_gauge[-1]:
+            return "loading"
+        return "tip load" if self.tip_loads_n else "unloading"
