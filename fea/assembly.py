@@ -7,7 +7,7 @@ cheap rung for compressible parts and first looks. The referee with pressures of
 term derives from a potential, so the tangent is symmetric and only its upper triangle is kept.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.sparse as sp
@@ -24,6 +24,21 @@ _CHUNK = 1024  # elements per batch: keeps the batches in the processor's cache
 
 
 @dataclass(frozen=True, kw_only=True)
+class Supply:
+    """Lets the cavity's pressure fall as its volume V grows, by stiffness x (V - volume): a pump of finite capacity.
+
+    Attributes
+    ----------
+    volume_m3 : float
+        Volume (of the modelled part) at which the load's pressure holds.
+    stiffness_pa_per_m3 : float
+    """
+
+    volume_m3: float
+    stiffness_pa_per_m3: float
+
+
+@dataclass(frozen=True, kw_only=True)
 class Load:
     """External load: cavity pressure and dead nodal forces.
 
@@ -33,20 +48,33 @@ class Load:
         Gauge pressure in the cavity.
     force_n : array [n_nodes, 3] or None
         Dead nodal forces on the half model.
+    supply : Supply or None
+        What the pressure depends on; None: on nothing.
     """
 
     pressure_pa_gauge: float = 0.0
     force_n: F64 | None = None
+    supply: Supply | None = None
+
+    def pressure_at(self, volume_m3: float) -> float:
+        """Return the gauge pressure in a cavity of a volume [Pa]."""
+        if self.supply is None:
+            return self.pressure_pa_gauge
+        return self.pressure_pa_gauge + self.supply.stiffness_pa_per_m3 * (self.supply.volume_m3 - volume_m3)
 
     def towards(self, other: "Load", share: float) -> "Load":
-        """Return the load a share of the way to another."""
+        """Return the load a share of the way to another, with the other's stiffness of supply."""
         force = None
         if self.force_n is not None or other.force_n is not None:
             ours = np.zeros(1) if self.force_n is None else self.force_n
             theirs = np.zeros(1) if other.force_n is None else other.force_n
             force = ours + share * (theirs - ours)
         pressure = self.pressure_pa_gauge + share * (other.pressure_pa_gauge - self.pressure_pa_gauge)
-        return Load(pressure_pa_gauge=pressure, force_n=force)
+        supply = other.supply
+        if self.supply is not None and supply is not None:
+            volume = self.supply.volume_m3 + share * (supply.volume_m3 - self.supply.volume_m3)
+            supply = replace(supply, volume_m3=volume)
+        return Load(pressure_pa_gauge=pressure, force_n=force, supply=supply)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -61,12 +89,15 @@ class Evaluation:
         Upper triangle of the tangent; None when only forces were asked for.
     reaction_n : array [n_nodes, 3]
         Internal force minus load at every node: the supports' reactions where displacements are prescribed.
+    rank_one : array [n_free] or None
+        h: the tangent still lacks h h'. With a supply, the pressure's force times the root of its stiffness.
     """
 
     internal_n: F64
     external_n: F64
     tangent: sp.csr_array | None
     reaction_n: F64
+    rank_one: F64 | None = None
 
 
 class SolidModel:
@@ -121,12 +152,16 @@ class SolidModel:
         internal = np.zeros((len(self.mesh.points_m), 3))
         internal.reshape(-1)[self._nodal.places] = self._nodal.sum(force.reshape(-1), compiled=self._compiled)
         external = np.zeros_like(internal) if load.force_n is None else load.force_n.copy()
+        rank_one: F64 | None = None
         if self.cavity is not None:
             gradient, hessian = self.cavity.derivatives(self.mesh.points_m + u_m)
-            external += load.pressure_pa_gauge * gradient
+            pressure = self.pressure_pa_gauge(u_m, load)
+            external += pressure * gradient
             if tangent:
                 r, c = np.triu_indices(hessian.shape[1])
-                entries[n * size :] = (-load.pressure_pa_gauge * hessian[:, r, c]).ravel()
+                entries[n * size :] = (-pressure * hessian[:, r, c]).ravel()
+            if load.supply is not None:
+                rank_one = np.sqrt(load.supply.stiffness_pa_per_m3) * gradient.ravel()[self.free]
         matrix: sp.csr_array | None = None
         if tangent:
             data = self._matrix.sum(entries, compiled=self._compiled)
@@ -136,13 +171,20 @@ class SolidModel:
             external_n=external.ravel()[self.free],
             tangent=matrix,
             reaction_n=internal - external,
+            rank_one=rank_one,
         )
+
+    def pressure_pa_gauge(self, u_m: F64, load: Load) -> float:
+        """Return the gauge pressure in the cavity at displacements u."""
+        if load.supply is None or self.cavity is None:
+            return load.pressure_pa_gauge
+        return load.pressure_at(self.cavity.volume_m3(self.mesh.points_m + u_m))
 
     def external(self, u_m: F64, load: Load) -> F64:
         """Return the load's nodal forces [n_nodes, 3] at displacements u."""
         force = np.zeros_like(u_m) if load.force_n is None else load.force_n.copy()
-        if self.cavity is not None and load.pressure_pa_gauge != 0.0:
-            force += load.pressure_pa_gauge * self.cavity.gradient(self.mesh.points_m + u_m)
+        if self.cavity is not None:
+            force += self.pressure_pa_gauge(u_m, load) * self.cavity.gradient(self.mesh.points_m + u_m)
         return force
 
     def energy(self, u_m: F64, load: Load) -> float | None:
@@ -156,13 +198,16 @@ class SolidModel:
                 return None
             weights = self.weights[members]
             total += float((law.energy(F) * weights).sum())
-            volume = weights.sum(axis=1)
-            mean = (J * weights).sum(axis=1) / volume
-            total += 0.5 * law.bulk_modulus_pa * float((volume * (mean - 1.0) ** 2).sum())
+            sizes = weights.sum(axis=1)
+            mean = (J * weights).sum(axis=1) / sizes
+            total += 0.5 * law.bulk_modulus_pa * float((sizes * (mean - 1.0) ** 2).sum())
         if load.force_n is not None:
             total -= float((load.force_n * u_m).sum())
         if self.cavity is not None:
-            total -= load.pressure_pa_gauge * self.cavity.volume_m3(self.mesh.points_m + u_m)
+            volume = self.cavity.volume_m3(self.mesh.points_m + u_m)
+            total -= load.pressure_pa_gauge * volume
+            if load.supply is not None:
+                total += 0.5 * load.supply.stiffness_pa_per_m3 * (volume - load.supply.volume_m3) ** 2
         return total
 
     def max_stretch(self, u_m: F64, material: int) -> float:

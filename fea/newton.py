@@ -214,8 +214,7 @@ class _Solve:
 
     def _direction(self, u: F64, state: Evaluation, tangent: sp.csr_array, imbalance: F64) -> F64 | None:
         """Return a step down the energy: Newton's, else with the contact's Hessian projected, else on a foundation."""
-        with self.watch.time("solve"):
-            step = self.work.solver.solve(tangent, imbalance)
+        step = self._solved(tangent, state.rank_one, imbalance)
         if step is not None and step @ imbalance > 0.0:
             return step
         if self.contact is not None and state.tangent is not None:
@@ -224,11 +223,21 @@ class _Solve:
             tangent = self._with_contact(state.tangent, touch)
         for share in _FOUNDATION_SHARES:
             shifted = tangent if share == 0.0 else _on_diagonal(tangent, share * self.work.foundation_n_per_m)
-            with self.watch.time("solve"):
-                step = self.work.solver.solve(shifted, imbalance)
+            step = self._solved(shifted, state.rank_one, imbalance)
             if step is not None and step @ imbalance > 0.0:
                 return step
         return None
+
+    def _solved(self, tangent: sp.csr_array, rank_one: F64 | None, imbalance: F64) -> F64 | None:
+        """Solve with the tangent and its rank-one part (Sherman & Morrison, 1950, Ann. Math. Stat. 21)."""
+        with self.watch.time("solve"):
+            if rank_one is None:
+                return self.work.solver.solve(tangent, imbalance)
+            both = self.work.solver.solve(tangent, np.column_stack([imbalance, rank_one]))
+        if both is None:
+            return None
+        plain, correction = both.T
+        return np.asarray(plain - correction * float(rank_one @ plain) / (1.0 + float(rank_one @ correction)))
 
     def _advance(self, u: F64, step: F64, slope: float, carried: Load) -> tuple[F64, float] | None:
         """Return the displacement after the step and the share of it taken, or None where no share will do.

@@ -1,18 +1,29 @@
 """Inflation controlled by the cavity's volume, which goes on past a limit point of pressure.
 
-Unknowns are u and p: internal(u) - p dV/du = 0 and V(u) = V*. The bordered tangent [K, -g; g^T, 0] is solved by block
-elimination with one factorisation of K and two right-hand sides. At equilibrium dp/dV = 1 / (g . K^-1 g): its change of
-sign is the limit point (Riks, 1979; Crisfield, Non-linear Finite Element Analysis of Solids and Structures, ch. 9).
+The pressure comes from a supply that is stiffer than the cavity: equilibrium is then stable on either side of a limit
+point, and Newton's method, contact and friction work as under a given pressure. The supply's own pressure is moved
+until the volume is the one asked for (augmented Lagrangian: Nocedal & Wright, Numerical Optimization, ch. 17). At
+equilibrium dp/dV = 1 / (g . K^-1 g), g = dV/du: its change of sign is the limit point (Riks, 1979; Crisfield,
+Non-linear Finite Element Analysis of Solids and Structures, ch. 9).
 """
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy.sparse as sp
 
 from fea.arrays import F64
-from fea.assembly import Load, SolidModel
-from fea.linear_solver import SymmetricSolver
-from fea.newton import NewtonOptions, Status
+from fea.assembly import Load, SolidModel, Supply
+from fea.friction import advance, begin, solve_step
+from fea.newton import Contact, NewtonOptions, Outcome, Status
+from fea.workspace import Workspace, workspace
+
+STIFFNESS = 30.0
+"""Choice: the supply's stiffness in units of the cavity's at rest. Each correction of the volume then leaves a
+thirtieth of the error, and the volume's curvature over a step does not hide the energy's fall."""
+_CORRECTIONS = 10
+_VOLUME_TOLERANCE = 1e-9
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,9 +62,15 @@ class VolumePath:
 
 
 def inflate_by_volume(
-    model: SolidModel, volumes_m3: list[float], options: NewtonOptions | None = None, *, stop_at_limit: bool = False
+    model: SolidModel,
+    volumes_m3: list[float],
+    options: NewtonOptions | None = None,
+    *,
+    contact: Contact | None = None,
+    stop_at_limit: bool = False,
+    progress: Callable[[], None] = lambda: None,
 ) -> VolumePath:
-    """Bring the cavity through increasing volumes, starting unloaded.
+    """Bring the cavity through increasing volumes, starting unloaded; ``progress`` is called after each.
 
     Raises
     ------
@@ -65,36 +82,28 @@ def inflate_by_volume(
     rest = model.cavity.volume_m3(model.mesh.points_m)
     if not volumes_m3 or np.any(np.diff([rest, *volumes_m3]) <= 0.0):
         raise ValueError(f"volumes_m3 = {volumes_m3} must increase from the volume at rest, {rest:g} m3")
-    settings = options or NewtonOptions()
-    solver = SymmetricSolver()
-    u, pressure, total = np.zeros_like(model.mesh.points_m), 0.0, 0
+    zero = np.zeros_like(model.mesh.points_m)
+    follower = _Follower(workspace(model), options or NewtonOptions())
+    stiffness = STIFFNESS * follower.slope(zero, Load(), None)
+    at = _State(
+        u_m=zero, load=Load(supply=Supply(volume_m3=rest, stiffness_pa_per_m3=stiffness)), contact=begin(contact, zero)
+    )
     rows: list[tuple[float, float, float]] = []
     states: list[F64] = []
     limit: LimitPoint | None = None
-    status = Status.CONVERGED
-    at = rest
     for volume in volumes_m3:
-        fraction, span = 1.0, volume - at
-        while at < volume:
-            step = min(fraction * span, volume - at)
-            status, trial, trial_pressure, slope, iterations = _solve(model, u, pressure, at + step, settings, solver)
-            total += iterations
-            if status is Status.CONVERGED:
-                u, pressure, at = trial, trial_pressure, volume if step >= volume - at else at + step
-                continue
-            fraction *= 0.5
-            if fraction < settings.min_step:
-                break
+        status, at = follower.reach(at, volume)
         if status is not Status.CONVERGED:
             break
-        rows.append((volume, pressure, slope))
-        states.append(u)
-        if limit is None and len(rows) > 1 and rows[-2][2] > 0.0 >= slope:
+        rows.append((volume, model.pressure_pa_gauge(at.u_m, at.load), follower.slope(at.u_m, at.load, at.contact)))
+        states.append(at.u_m)
+        progress()
+        if limit is None and len(rows) > 1 and rows[-2][2] > 0.0 >= rows[-1][2]:
             limit = _maximum(rows[-2], rows[-1])
             if stop_at_limit:
                 status = Status.LIMIT_POINT
                 break
-    solver.close()
+    follower.work.close()
     table = np.array(rows).reshape(-1, 3)
     return VolumePath(
         status=status,
@@ -103,44 +112,75 @@ def inflate_by_volume(
         slope_pa_per_m3=table[:, 2],
         u_m=np.array(states),
         limit=limit,
-        iterations=total,
+        iterations=follower.iterations,
     )
 
 
-def _solve(
-    model: SolidModel, u_m: F64, pressure: float, volume: float, options: NewtonOptions, solver: SymmetricSolver
-) -> tuple[Status, F64, float, float, int]:
-    """Return status, u, p, dp/dV and iterations of one volume."""
-    assert model.cavity is not None
-    u = u_m.copy()
-    state = model.evaluate(u, Load(pressure_pa_gauge=pressure))
-    for iteration in range(options.max_iterations + 1):
-        if state is None or state.tangent is None:
-            return Status.INVERTED, u, pressure, np.nan, iteration
-        points = model.mesh.points_m + u
-        gradient = model.cavity.derivatives(points)[0].ravel()[model.free]
-        missing = volume - model.cavity.volume_m3(points)
-        imbalance = state.external_n - state.internal_n
-        solved = solver.solve(state.tangent, np.column_stack([imbalance, gradient]))
-        if solved is None:
-            return Status.SINGULAR, u, pressure, np.nan, iteration
-        compliance = float(gradient @ solved[:, 1])
-        scale = max(1e-12, float(np.linalg.norm(state.external_n)), float(np.linalg.norm(state.internal_n)))
-        balanced = float(np.linalg.norm(imbalance)) <= options.relative_tolerance * scale
-        if balanced and abs(missing) <= 1e-9 * volume:
-            return Status.CONVERGED, u, pressure, 1.0 / compliance, iteration
-        more = (missing - float(gradient @ solved[:, 0])) / compliance
-        step = solved[:, 0] + more * solved[:, 1]
-        fraction = min(1.0, options.step_cap_m / max(float(np.abs(step).max()), 1e-30))
-        for _ in range(6):  # halve the step while it would invert an element
-            trial = u.copy()
-            trial.reshape(-1)[model.free] += fraction * step
-            state = model.evaluate(trial, Load(pressure_pa_gauge=pressure + fraction * more))
-            if state is not None:
-                u, pressure = trial, pressure + fraction * more
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _State:
+    """A converged state: displacement [n_nodes, 3], its load and the contact of the next step."""
+
+    u_m: F64
+    load: Load
+    contact: Contact | None
+
+
+@dataclass
+class _Follower:
+    """Steps from volume to volume and counts the iterations."""
+
+    work: Workspace
+    options: NewtonOptions
+    iterations: int = 0
+
+    def reach(self, at: _State, volume_m3: float) -> tuple[Status, _State]:
+        """Go to a volume, in halves of the way where the whole is too much; on failure return the last state."""
+        assert at.load.supply is not None
+        span = step = volume_m3 - at.load.supply.volume_m3
+        while at.load.supply is not None and at.load.supply.volume_m3 < volume_m3:
+            near = at.load.supply.volume_m3 + step > volume_m3 - 1e-9 * span
+            outcome, load = self._step(at, volume_m3 if near else at.load.supply.volume_m3 + step)
+            if outcome.converged:
+                at = _State(u_m=outcome.u_m, load=load, contact=advance(at.contact, outcome.u_m))
+                continue
+            step *= 0.5
+            if step < self.options.min_step * span:
+                return outcome.status, at
+        return Status.CONVERGED, at
+
+    def _step(self, at: _State, volume_m3: float) -> tuple[Outcome, Load]:
+        assert at.load.supply is not None
+        model = self.work.model
+        load = replace(at.load, supply=replace(at.load.supply, volume_m3=volume_m3))
+        outcome = self._solve(at.u_m, load, at.load, at.contact)
+        for _ in range(_CORRECTIONS):
+            assert model.cavity is not None
+            reached = model.cavity.volume_m3(model.mesh.points_m + outcome.u_m)
+            if not outcome.converged or abs(reached - volume_m3) <= _VOLUME_TOLERANCE * volume_m3:
                 break
-            fraction *= 0.5
-    return Status.STALLED, u, pressure, np.nan, options.max_iterations
+            before, load = load, replace(load, pressure_pa_gauge=load.pressure_at(reached))
+            outcome = self._solve(outcome.u_m, load, before, at.contact)
+        return outcome, load
+
+    def _solve(self, u_m: F64, load: Load, balanced: Load, contact: Contact | None) -> Outcome:
+        outcome = solve_step(self.work, u_m, load, self.options, balanced=balanced, contact=contact)
+        self.iterations += outcome.iterations
+        return outcome
+
+    def slope(self, u_m: F64, load: Load, contact: Contact | None) -> float:
+        """Return dp/dV of the cavity at an equilibrium [Pa/m3], NaN where the tangent is singular."""
+        model = self.work.model
+        assert model.cavity is not None
+        state = model.evaluate(u_m, load)
+        if state is None or state.tangent is None:
+            return np.nan
+        tangent = state.tangent
+        if contact is not None:
+            touch = contact.held(u_m).evaluate(u_m, project=False).hessian
+            tangent = self.work.pattern.add(tangent, sp.csr_array(touch[model.free][:, model.free]))
+        gradient = model.cavity.gradient(model.mesh.points_m + u_m).ravel()[model.free]
+        solved = self.work.solver.solve(tangent, gradient)
+        return np.nan if solved is None else 1.0 / float(gradient @ solved)
 
 
 def _maximum(before: tuple[float, float, float], after: tuple[float, float, float]) -> LimitPoint:

@@ -88,6 +88,12 @@ def add_dimension(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_friction(parser: argparse.ArgumentParser, default: float) -> None:
+    """Add ``--friction MU``."""
+    text = "Coulomb's coefficient of silicone on TPU (%(default)s)"
+    parser.add_argument("--friction", type=non_negative_float, default=default, metavar="MU", help=text)
+
+
 def with_dimensions(geometry: _Geometry, dimensions: Sequence[tuple[str, float]]) -> _Geometry:
     """Return a geometry (a dataclass) with some of its numbers replaced.
 

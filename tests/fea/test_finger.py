@@ -13,6 +13,7 @@ from fea.geometry import FingerGeometry
 from fea.lattice import build_mesh, is_conforming
 from fea.materials import load_material
 from fea.newton import ContactState, NewtonOptions, Status, solve_equilibrium
+from fea.volume_control import inflate_by_volume
 from fea.workspace import workspace
 
 ACTUATOR = ActuatorMesh(theta_cells=3, inner_cells=1, gap_cells=1, cap_cells=1, core_cells=1)
@@ -232,3 +233,23 @@ def test_tip_load_and_pressure_are_reciprocal(model, slim):
     assert taken < 0.0
     assert taken == pytest.approx((high_m - low_m) / (2.0 * step_pa), rel=0.02)
     assert loaded_m > 0.5 * (low_m + high_m)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.6])
+def test_volume_control_finds_the_pressure_that_gave_the_volume(slim, materials, friction):
+    """With contact and friction too: the same path, told by its volumes instead of its pressures."""
+    m = materials
+    rough = finger_model(slim, m.silicone, m.pet, m.tpu, MESH, contact=replace(CONTACT, friction=friction))
+    pressures = (2e3, 4e3, PRESSURE)
+    fine = replace(OPTIONS, relative_tolerance=1e-6, first_step=np.inf)
+    by_pressure = analyse_finger(rough, slim, FingerPath(pressures), options=fine)
+    halves = [0.5 * v for v in by_pressure.volume_m3[1:]]
+    by_volume = inflate_by_volume(rough.solid, halves, fine, contact=rough.contact)
+    assert by_volume.status is Status.CONVERGED
+    np.testing.assert_allclose(by_volume.pressure_pa_gauge, pressures, rtol=1e-3)
+    far = np.abs(by_pressure.u_m).max()
+    np.testing.assert_allclose(by_volume.u_m[-1], by_pressure.u_m, atol=2e-3 * far)
+    # the slope belongs to the curve: the mean of the ends' is the chord's, but for its curvature
+    chord = np.diff(pressures) / np.diff(halves)
+    ends = 0.5 * (by_volume.slope_pa_per_m3[1:] + by_volume.slope_pa_per_m3[:-1])
+    np.testing.assert_allclose(ends, chord, rtol=0.05)
