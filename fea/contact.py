@@ -14,8 +14,8 @@ import numpy as np
 import scipy.sparse as sp
 
 from fea.arrays import F64, I64
+from fea.contact_interface import ContactState
 from fea.lattice import SolidMesh
-from fea.newton import ContactState
 from fea.tangential import TangentialPairs, from_ipctk
 
 _MM = 1e3  # ipctk works in mm, MPa and N: its tolerances are absolute

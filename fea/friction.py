@@ -21,7 +21,8 @@ import scipy.sparse as sp
 from fea.arrays import F64
 from fea.assembly import Load
 from fea.contact import SurfaceContact
-from fea.newton import Contact, ContactState, NewtonOptions, Outcome, solve_equilibrium
+from fea.contact_interface import Contact, ContactState
+from fea.newton import NewtonOptions, Outcome, solve_equilibrium
 from fea.tangential import TangentialPairs
 from fea.workspace import Workspace
 

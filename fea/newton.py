@@ -12,13 +12,14 @@ Three things make it converge where stiff rings turn far in one step (figures in
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from enum import Enum
-from typing import Protocol
+from typing import NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
 
 from fea.arrays import F64
 from fea.assembly import Evaluation, Load
+from fea.contact_interface import Contact, ContactState
 from fea.cost import NO_COST, Cost, Stopwatch
 from fea.workspace import Workspace
 
@@ -38,46 +39,6 @@ _SMALLEST_FORCE_N = 1e-9
 _FOUNDATION_SHARES = (0.0, 1e-2, 1e-1, 1.0, 10.0)
 BOUND_SHARE = 0.8
 """Choice: share of the collision-free way that a step uses, so that gaps stay open for the next one."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class ContactState:
-    """Contact forces at a displacement.
-
-    Attributes
-    ----------
-    force_n : array [n_nodes, 3]
-        Forces of the contact on the nodes (minus the gradient of its energy).
-    hessian : csr_array [3 n_nodes, 3 n_nodes]
-        Hessian of its energy [N/m], upper triangle.
-    """
-
-    force_n: F64
-    hessian: sp.csr_array
-
-
-class Contact(Protocol):
-    """What Newton's method needs of a contact."""
-
-    def evaluate(self, u_m: F64, *, project: bool = True) -> ContactState:
-        """Return forces and Hessian at displacements [n_nodes, 3]; ``project`` makes it positive semi-definite."""
-        ...
-
-    def force_n(self, u_m: F64) -> F64:
-        """Return the forces alone [n_nodes, 3]."""
-        ...
-
-    def energy(self, u_m: F64) -> float:
-        """Return the energy [J]; the forces are its gradient where the contact is held."""
-        ...
-
-    def held(self, u_m: F64, /) -> "Contact":
-        """Return the contact that has an energy and these forces at u: friction with the normal forces of u."""
-        ...
-
-    def step_bound(self, u_m: F64, trial_m: F64) -> float:
-        """Return the fraction in [0, 1] of the straight way from u to the trial on which nothing touches."""
-        ...
 
 
 class Status(Enum):
@@ -159,6 +120,14 @@ def solve_equilibrium(
     return replace(outcome, cost=watch.cost(outcome.iterations))
 
 
+class _Move(NamedTuple):
+    """A step taken: displacement [n_nodes, 3], share of the step, and the body's energy there if it was looked at."""
+
+    u_m: F64
+    share: float
+    energy_j: float | None
+
+
 @dataclass(frozen=True)
 class _Solve:
     """One equilibrium: its parts are named here once."""
@@ -171,6 +140,7 @@ class _Solve:
 
     def run(self, u_m: F64, balanced: Load, on_iteration: Callable[[int, float], None]) -> Outcome:
         u, options, carried, start = u_m.copy(), self.options, balanced, 0.0
+        energy: float | None = None
         for iteration in range(options.max_iterations + 1):
             with self.watch.time("assembly"):
                 state = self.work.model.evaluate(u, carried)
@@ -189,11 +159,11 @@ class _Solve:
             step = held._direction(u, state, tangent, imbalance)
             if step is None:
                 return Outcome(status=Status.SINGULAR, u_m=u, iterations=iteration, residual=relative)
-            moved = held._advance(u, step, float(step @ imbalance), carried)
+            moved = held._advance(u, step, float(step @ imbalance), carried, energy)
             if moved is None:
                 return Outcome(status=Status.STALLED, u_m=u, iterations=iteration + 1, residual=relative)
-            u, share = moved
-            carried = self.load if share > _WHOLE else carried.towards(self.load, share)
+            u, energy = moved.u_m, moved.energy_j
+            carried = self.load if moved.share > _WHOLE else carried.towards(self.load, moved.share)
         return Outcome(status=Status.STALLED, u_m=u, iterations=iteration, residual=relative)
 
     def _system(self, u: F64, state: Evaluation, tangent: sp.csr_array, *, settled: bool) -> tuple[F64, sp.csr_array]:
@@ -239,8 +209,8 @@ class _Solve:
         plain, correction = both.T
         return np.asarray(plain - correction * float(rank_one @ plain) / (1.0 + float(rank_one @ correction)))
 
-    def _advance(self, u: F64, step: F64, slope: float, carried: Load) -> tuple[F64, float] | None:
-        """Return the displacement after the step and the share of it taken, or None where no share will do.
+    def _advance(self, u: F64, step: F64, slope: float, carried: Load, energy: float | None) -> _Move | None:
+        """Return the state after the step, or None where no share of it will do; ``energy`` as in :class:`_Move`.
 
         The share keeps the cap, what is free of collisions and elements upright. While the load is still being taken up
         it also keeps the forces near balance, and then the energy falling.
@@ -248,7 +218,9 @@ class _Solve:
         nodal = np.zeros_like(u)
         nodal.reshape(-1)[self.work.model.free] = step
         share = min(1.0, self.options.step_cap_m / max(float(np.abs(nodal).max()), 1e-30))
-        before = self._energy(u) if carried is self.load else None
+        settled, before, after = carried is self.load, 0.0, None
+        if settled:
+            before = (self._body_energy(u) if energy is None else energy) + self._contact_energy(u)
         for attempt in range(_SEARCH_HALVINGS):
             trial = u + self.work.retraction(u, share * nodal)
             if self.contact is not None and attempt == 0:
@@ -257,13 +229,14 @@ class _Solve:
                 if bound < 1.0:
                     share *= BOUND_SHARE * bound
                     trial = u + self.work.retraction(u, share * nodal)
-            if before is None:
-                good = self._imbalance(trial, carried.towards(self.load, share)) < _OVERSHOT
+            if settled:
+                after = self._body_energy(trial)
+                allowed = before - _SUFFICIENT_DECREASE * share * slope + _ROUNDING * abs(before)
+                good = after < np.inf and after + self._contact_energy(trial) <= allowed
             else:
-                after = self._energy(trial)
-                good = after <= before - _SUFFICIENT_DECREASE * share * slope + _ROUNDING * abs(before)
+                good = self._imbalance(trial, carried.towards(self.load, share)) < _OVERSHOT
             if good:
-                return trial, share
+                return _Move(trial, share, after)
             share *= 0.5
         return None
 
@@ -279,16 +252,17 @@ class _Solve:
                 imbalance = imbalance + self.contact.force_n(u).ravel()[self.work.model.free]
         return float(np.linalg.norm(imbalance)) / _scale(state)
 
-    def _energy(self, u: F64) -> float:
-        """Return the potential [J], infinite where an element is inverted."""
+    def _body_energy(self, u: F64) -> float:
+        """Return the potential without the contact's [J], infinite where an element is inverted."""
         with self.watch.time("assembly"):
             energy = self.work.model.energy(u, self.load)
-        if energy is None:
-            return np.inf
+        return np.inf if energy is None else energy
+
+    def _contact_energy(self, u: F64) -> float:
         if self.contact is None:
-            return energy
+            return 0.0
         with self.watch.time("contact"):
-            return energy + self.contact.energy(u)
+            return self.contact.energy(u)
 
 
 def _scale(state: Evaluation) -> float:

@@ -8,9 +8,10 @@ import numpy as np
 
 from fea.arrays import F64
 from fea.assembly import Load, SolidModel
+from fea.contact_interface import Contact
 from fea.cost import NO_COST, Cost
 from fea.friction import advance, begin, solve_step
-from fea.newton import Contact, NewtonOptions, Outcome, Status
+from fea.newton import NewtonOptions, Outcome, Status
 from fea.workspace import workspace
 
 _EASY, _HARD = 8, 12

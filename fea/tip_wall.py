@@ -6,9 +6,9 @@ import numpy as np
 import scipy.sparse as sp
 
 from fea.arrays import F64, I64
+from fea.contact_interface import ContactState
 from fea.geometry import FingerGeometry
 from fea.lattice import SolidMesh
-from fea.newton import ContactState
 
 SENSOR_DISTANCE_M = 40e-3
 """Distance of finger and force sensor: Alves et al., section 3.2. Choice: measured from the palm side of the tip to the

@@ -15,8 +15,9 @@ import scipy.sparse as sp
 
 from fea.arrays import F64
 from fea.assembly import Load, SolidModel, Supply
+from fea.contact_interface import Contact
 from fea.friction import advance, begin, solve_step
-from fea.newton import Contact, NewtonOptions, Outcome, Status
+from fea.newton import NewtonOptions, Outcome, Status
 from fea.workspace import Workspace, workspace
 
 STIFFNESS = 30.0
