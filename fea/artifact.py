@@ -14,7 +14,7 @@ from fea.actuator import ActuatorResult
 from fea.calibration import TARGET_PRESSURE_PA_GAUGE, TARGET_TIP_ANGLE_DEG, Calibration
 from fea.compiled import kernel_name
 from fea.exoskeleton import LOADS_N, ExoskeletonResult
-from fea.finger import MESHES, FingerResult
+from fea.finger import CONTACT, MESHES, FingerResult
 from fea.geometry import JOINT_NAMES, choices
 from fea.linear_solver import solver_name
 
@@ -153,6 +153,7 @@ def _provenance(c: Calibration) -> dict[str, Any]:
             m.name: {"set": m.parameter_set, "source": m.source, "parameters": dict(m.parameters)}
             for m in (c.materials.silicone, c.materials.tpu, c.materials.pet)
         },
+        "contact": asdict(CONTACT),
         "loads_n": list(LOADS_N),
         "dimensions": choices(),
         "flexure": {
@@ -169,7 +170,7 @@ def _provenance(c: Calibration) -> dict[str, Any]:
             "which does no work on the finger (fit_rmse.chamber_volume_m3 is its size)",
             "offset": "one constant arm for three joints, least squares on the lengthening that the finger's chamber "
             "volume shows (fit_rmse.finger_lengthening_m); it grows with the angle, which the torque laws absorb",
-            "joints": "torque of the thrust at the angles of the complete finger, loading without friction: the "
+            "joints": "torque of the thrust at the angles of the complete finger, loading with friction: the "
             "flexure alone plus a monotone law for the actuator's share",
             "hinge": "hinge_offset_m is the flexure's own arm (the tube's axis), not that of the thrust",
             "damping": f"damping ratio {DAMPING_RATIO} of each joint with the finger beyond it as a rod",
