@@ -19,6 +19,7 @@ from fea.compiled import compiled_law, kernel_name
 from fea.gather import Gather
 from fea.lattice import SolidMesh
 from fea.laws import Law, cofactor_derivative
+from fea.ranges import map_ranges
 
 _CHUNK = 1024  # elements per batch: keeps the batches in the processor's cache
 
@@ -191,16 +192,10 @@ class SolidModel:
         """Return the total potential of the half model [J], or None if an element is inverted."""
         total = 0.0
         for index, law in self.laws.items():
-            members = np.flatnonzero(self.mesh.material == index)
-            F = deformation(u_m[self.mesh.elements[members]], self.gradients[members])
-            J = np.linalg.det(F)
-            if not (J > 0.0).all():
+            stored = self._stored(law, np.flatnonzero(self.mesh.material == index), u_m)
+            if stored is None:
                 return None
-            weights = self.weights[members]
-            total += float((law.energy(F) * weights).sum())
-            sizes = weights.sum(axis=1)
-            mean = (J * weights).sum(axis=1) / sizes
-            total += 0.5 * law.bulk_modulus_pa * float((sizes * (mean - 1.0) ** 2).sum())
+            total += stored
         if load.force_n is not None:
             total -= float((load.force_n * u_m).sum())
         if self.cavity is not None:
@@ -224,6 +219,28 @@ class SolidModel:
         lumped = np.einsum("e,eq,qa->ea", density, self.weights, shape)
         np.add.at(force, self.mesh.elements, lumped[:, :, None] * acceleration_m_s2)
         return force
+
+    def _stored(self, law: Law, members: I64, u_m: F64) -> float | None:
+        """Return the strain energy of some elements of one law [J], or None if one is inverted."""
+
+        def part(start: int, stop: int) -> float | None:
+            chunk = members[start:stop]
+            F = deformation(u_m[self.mesh.elements[chunk]], self.gradients[chunk])
+            J = np.linalg.det(F)
+            if not (J > 0.0).all():
+                return None
+            weights = self.weights[chunk]
+            sizes = weights.sum(axis=1)
+            mean = (J * weights).sum(axis=1) / sizes
+            volumetric = 0.5 * law.bulk_modulus_pa * (sizes * (mean - 1.0) ** 2).sum()
+            return float((law.energy(F) * weights).sum() + volumetric)
+
+        total = 0.0
+        for energy in map_ranges(part, len(members), _CHUNK):
+            if energy is None:
+                return None
+            total += energy
+        return total
 
     def _fill(self, law: Law, members: I64, u_m: F64, force: F64, upper: F64 | None) -> bool:
         """Fill the members' rows of forces and upper triangles; False where an element is inverted."""

@@ -1,13 +1,10 @@
 """Whether and how elements are assembled by compiled kernels: numba where it is installed, NumPy everywhere else.
 
 A law runs compiled if its type is one the kernels know, exactly: a subclass or a wrapper may compute anything, so it
-goes the NumPy way. Work is cut into ranges for a few threads in a way that does not touch the sums: results are the
-same to the last bit for any number of threads.
+goes the NumPy way.
 """
 
 import importlib.util
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Literal
 
@@ -15,6 +12,7 @@ import numpy as np
 
 from fea.arrays import F64, I64
 from fea.laws import IsochoricOgden, Law, StVenantKirchhoff
+from fea.ranges import all_ranges
 from fea.rubber import ClosedNeoHookean, PointwiseVolume
 
 _LAYOUT: tuple[Literal["C", "W"], ...] = ("C", "W")
@@ -24,13 +22,6 @@ _ELEMENTS = 256  # elements a task: some milliseconds, many tasks a thread so th
 def kernel_name() -> str:
     """Return what assembles elements here, for provenance."""
     return "numba" if importlib.util.find_spec("numba") is not None else "NumPy"
-
-
-def thread_count() -> int:
-    """Return how many threads kernels use: the environment's NUMBA_NUM_THREADS, or the processors at hand."""
-    from numba import config  # noqa: PLC0415 - optional dependency
-
-    return int(config.NUMBA_NUM_THREADS)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -75,7 +66,7 @@ class CompiledLaw:
                 target,
             )
 
-        return in_ranges(work, len(members), _ELEMENTS)
+        return all_ranges(work, len(members), _ELEMENTS)
 
 
 def compiled_law(law: Law) -> CompiledLaw | None:
@@ -95,14 +86,3 @@ def compiled_law(law: Law) -> CompiledLaw | None:
     else:
         return None
     return CompiledLaw(kind=kind, parameters=np.array([inner.bulk_modulus_pa, point_bulk, *own]))
-
-
-def in_ranges(work: Callable[[int, int], bool], count: int, size: int) -> bool:
-    """Call ``work(start, stop)`` on ranges that cover ``range(count)``; return whether all returned True."""
-    starts = range(0, count, size)
-    stops = [min(start + size, count) for start in starts]
-    threads = min(thread_count(), len(starts))
-    if threads <= 1:
-        return all(map(work, starts, stops))
-    with ThreadPoolExecutor(threads) as pool:
-        return all(list(pool.map(work, starts, stops)))

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fea.arrays import F64, I32, I64
-from fea.compiled import in_ranges
+from fea.ranges import all_ranges
 
 _PLACES = 50_000  # places a task
 
@@ -52,5 +52,5 @@ class Gather:
             gather(values, self.order, self.pointer, start, stop, out)
             return True
 
-        in_ranges(work, len(out), _PLACES)
+        all_ranges(work, len(out), _PLACES)
         return out

@@ -15,6 +15,9 @@ import scipy.sparse as sp
 from fea.arrays import F64, I64
 from fea.assembly import SolidModel, deformation
 from fea.linear_solver import KeptFactors
+from fea.ranges import map_ranges
+
+_CHUNK = 1024  # elements a task
 
 
 class Retraction:
@@ -40,10 +43,15 @@ class Retraction:
     def __call__(self, u_m: F64, step_m: F64) -> F64:
         """Return the corrected step [n_nodes, 3] at displacements u [n_nodes, 3]; supports keep theirs."""
         nodes = self._model.mesh.elements
-        F = deformation(u_m[nodes], self._model.gradients)
-        increment = np.swapaxes(step_m[nodes], -1, -2)[:, None] @ self._model.gradients
-        missing = turned_and_stretched(F, increment) - F - increment
-        local = (self._weighted @ np.swapaxes(missing, -1, -2)).sum(axis=1)
+
+        def missing(start: int, stop: int) -> F64:
+            chunk, gradients = nodes[start:stop], self._model.gradients[start:stop]
+            F = deformation(u_m[chunk], gradients)
+            increment = np.swapaxes(step_m[chunk], -1, -2)[:, None] @ gradients
+            lack = turned_and_stretched(F, increment) - F - increment
+            return np.asarray((self._weighted[start:stop] @ np.swapaxes(lack, -1, -2)).sum(axis=1))
+
+        local = np.concatenate(map_ranges(missing, len(nodes), _CHUNK))
         corrected = step_m.copy()
         for axis, (rows, factors) in enumerate(zip(self._free, self._factors, strict=True)):
             right: F64 = np.zeros(len(u_m))

@@ -1,9 +1,11 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import scipy.sparse as sp
 from tests_fea_helpers import tube_model
 
-from fea.assembly import Load, SolidModel
+from fea.assembly import Load, SolidModel, Supply
 from fea.lattice import Lattice, build_mesh
 from fea.laws import IsochoricOgden, StVenantKirchhoff
 from fea.linear_solver import SymmetricSolver
@@ -27,13 +29,18 @@ def small_tube() -> SolidModel:
     return tube_model(lattice, {0: SOFT, 1: STIFF})
 
 
-def test_residual_and_tangent_match_finite_differences():
+@pytest.mark.parametrize("stiffness", [None, 2e13])
+def test_residual_and_tangent_match_finite_differences(stiffness):
     model = small_tube()
     rng = np.random.default_rng(1)
     u = 2e-5 * rng.standard_normal(model.mesh.points_m.shape)
-    load = Load(pressure_pa_gauge=2e4, force_n=1e-3 * rng.standard_normal(u.shape))
+    rest = model.cavity.volume_m3(model.mesh.points_m)
+    supply = None if stiffness is None else Supply(volume_m3=1.1 * rest, stiffness_pa_per_m3=stiffness)
+    load = Load(pressure_pa_gauge=2e4, force_n=1e-3 * rng.standard_normal(u.shape), supply=supply)
     state = model.evaluate(u, load)
-    full = sp.csr_array(state.tangent + sp.triu(state.tangent, k=1).T)
+    full = (state.tangent + sp.triu(state.tangent, k=1).T).toarray()
+    if stiffness is not None:
+        full += np.outer(state.rank_one, state.rank_one)
     h = 1e-9
     for _ in range(4):
         v = np.zeros_like(u)
@@ -45,6 +52,34 @@ def test_residual_and_tangent_match_finite_differences():
         change = ((plus.internal_n - plus.external_n) - (minus.internal_n - minus.external_n)) / (2 * h)
         expected = full @ v.ravel()[model.free]
         assert np.linalg.norm(change - expected) < 1e-6 * np.linalg.norm(expected)
+
+
+def test_supply_gives_less_as_the_cavity_grows():
+    load = Load(pressure_pa_gauge=5e3, supply=Supply(volume_m3=2e-6, stiffness_pa_per_m3=1e10))
+    assert load.pressure_at(2e-6) == 5e3
+    assert load.pressure_at(2.1e-6) == pytest.approx(4e3)
+    assert Load(pressure_pa_gauge=5e3).pressure_at(2.1e-6) == 5e3
+    further = Load(pressure_pa_gauge=6e3, supply=Supply(volume_m3=2.4e-6, stiffness_pa_per_m3=1e10))
+    between = load.towards(further, 0.25)
+    assert between.pressure_at(2.1e-6) == pytest.approx(
+        0.75 * load.pressure_at(2.1e-6) + 0.25 * further.pressure_at(2.1e-6)
+    )
+
+
+def test_newton_solves_with_a_supply_and_ends_on_its_line():
+    model = small_tube()
+    rest = model.cavity.volume_m3(model.mesh.points_m)
+    work, zero = workspace(model), np.zeros_like(model.mesh.points_m)
+    stiff = Supply(volume_m3=1.02 * rest, stiffness_pa_per_m3=1e14)
+    load = Load(supply=stiff)
+    outcome = solve_equilibrium(work, zero, load, NewtonOptions(), balanced=Load(supply=replace(stiff, volume_m3=rest)))
+    assert outcome.converged
+    pressure = model.pressure_pa_gauge(outcome.u_m, load)
+    volume = model.cavity.volume_m3(model.mesh.points_m + outcome.u_m)
+    assert rest < volume < 1.02 * rest
+    assert pressure == pytest.approx(1e14 * (1.02 * rest - volume))
+    plain = solve_equilibrium(work, zero, Load(pressure_pa_gauge=pressure), NewtonOptions(), balanced=Load())
+    np.testing.assert_allclose(plain.u_m, outcome.u_m, atol=1e-5 * np.abs(plain.u_m).max())
 
 
 def test_cavity_gradient_and_hessian_match_finite_differences_of_the_volume():

@@ -6,7 +6,7 @@ import pytest
 import scipy.sparse as sp
 from tests_fea_helpers import tube_model
 
-import fea.compiled
+import fea.ranges
 from fea.assembly import Load, SolidModel, element_forces
 from fea.compiled import compiled_law, kernel_name
 from fea.lattice import Lattice
@@ -157,7 +157,7 @@ def test_results_do_not_depend_on_threads_to_the_last_bit(monkeypatch):
     monkeypatch.setattr("fea.gather._PLACES", 100)
     states = []
     for threads in (1, 2, 3):
-        monkeypatch.setattr(fea.compiled, "thread_count", lambda n=threads: n)
+        monkeypatch.setattr(fea.ranges, "thread_count", lambda n=threads: n)
         states.append(model.evaluate(u, load))
     for other in states[1:]:
         np.testing.assert_array_equal(other.tangent.data, states[0].tangent.data)
