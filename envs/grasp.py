@@ -20,7 +20,7 @@ from softhand_sim.objects.catalogue import make_object
 from softhand_sim.objects.mjcf import attach_object
 from softhand_sim.objects.model import ObjectModel
 from softhand_sim.render import Camera
-from softhand_sim.simulation import HandSimulation
+from softhand_sim.simulation import HandSimulation, default_pneumatics
 
 CONTROL_S = 0.05
 LIFTED_M = 0.10
@@ -106,7 +106,7 @@ class SoftHandGraspEnv(gymnasium.Env[Vector, Vector]):
         self._object = make_object(object_name) if object_model is None else object_model
         finger = load_calibration(calibration)
         scene = build_scene(finger, add_object=lambda root: attach_object(root, self._object))
-        self._simulation = HandSimulation(model=scene.model, calibration=finger)
+        self._simulation = HandSimulation(model=scene.model, calibration=finger, pneumatics=default_pneumatics(finger))
         self._protocol = LiftProtocol()
         self._start = plan_grasp(self._object).standoff(self._protocol.approach_m)
         self._highest_pa = float(finger.curve.pressure_pa_gauge[-1])

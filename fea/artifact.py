@@ -18,7 +18,7 @@ from fea.finger import CONTACT, MESHES, FingerResult
 from fea.geometry import JOINT_NAMES, choices
 from fea.linear_solver import solver_name
 
-SCHEMA, SCHEMA_VERSION = "softhand-sim/finger-calibration", 1
+SCHEMA, SCHEMA_VERSION = "softhand-sim/finger-calibration", 2
 CURVE_PRESSURES_PA_GAUGE = tuple(2500.0 * k for k in range(33))
 """Pressures of the curve; those above what the complete finger reached are left out."""
 DAMPING_RATIO = 0.5
@@ -166,8 +166,8 @@ def _provenance(c: Calibration) -> dict[str, Any]:
         "choices": {
             "load_direction": "the exoskeleton's load and weight act in the closing direction; the figure is unknown",
             "load_place": "dead force spread over the distal joint's flexure",
-            "thrust_area": "A + B delta is dV/d(delta) at constant pressure; V leaves out bulging between the rings, "
-            "which does no work on the finger (fit_rmse.chamber_volume_m3 is its size)",
+            "thrust_area": "A + B delta is dV/d(delta) at constant pressure; the bulging between the rings, C p with "
+            "one C, takes gas and does no work on the finger",
             "offset": "one constant arm for three joints, least squares on the lengthening that the finger's chamber "
             "volume shows (fit_rmse.finger_lengthening_m); it grows with the angle, which the torque laws absorb",
             "joints": "torque of the thrust at the angles of the complete finger, loading with friction: the "

@@ -4,7 +4,7 @@ The joints' torques are those that the thrust of (i) has at the angles of (iii):
 flexure alone, (ii), is the part of them that is known beyond the angles of (iii) as well.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import pi, sqrt
 
 import numpy as np
@@ -59,13 +59,15 @@ def reduce_finger(actuator: ActuatorResult, exoskeleton: ExoskeletonResult, fing
     used = (actuator.lengthening_m <= USED_LENGTHENING_M) & (actuator.pressure_pa_gauge > 0.0)
     _check_states(int(used.sum()), exoskeleton, finger)
     delta, pressure = actuator.lengthening_m[used], actuator.pressure_pa_gauge[used]
-    chamber = fit_chamber(delta, actuator.thrust_area_m2[used], float(actuator.volume_m3[0]))
+    chamber = fit_chamber(actuator, used)
     force = pressure * np.array([chamber.area(d) for d in delta])
     tendon = fit_monotone(delta, force)
     flexure, rmse = fit_flexure(exoskeleton)
     rmse |= {
         "thrust_area_m2": _rms(actuator.thrust_area_m2[used] - force / pressure),
-        "chamber_volume_m3": _rms(actuator.volume_m3[used] - np.array([chamber.volume(d) for d in delta])),
+        "chamber_volume_m3": _rms(
+            actuator.volume_m3[used] - np.array([chamber.volume(d, p) for d, p in zip(delta, pressure, strict=True)])
+        ),
         "tendon_force_n": _rms(force - np.array([tendon(d) for d in delta])),
     }
     lengthening = finger_lengthening(actuator, chamber, finger)
@@ -93,9 +95,10 @@ def reduce_finger(actuator: ActuatorResult, exoskeleton: ExoskeletonResult, fing
 def finger_lengthening(actuator: ActuatorResult, chamber: Chamber, finger: FingerResult) -> F64:
     """Lengthening of the actuator in the complete finger, from its chamber's volume [m], (n - 1,).
 
-    V = V(delta) + p C(delta): the second part is the bulging between the rings, which does no work on the finger;
-    C, linear in delta, is that of analysis (i). What the flexure's stretch and the actuator's lift out of the gaps
-    add to the lengthening is in the volume, while the sections of the tube do not show it.
+    V = V(delta) + p C(delta): the second part is the bulging between the rings, which does no work on the finger. C is
+    linear in delta here, that of analysis (i); the chamber's law keeps one number. What the flexure's stretch and the
+    actuator's lift out of the gaps add to the lengthening is in the volume, while the sections of the tube do not show
+    it.
 
     Raises
     ------
@@ -103,7 +106,7 @@ def finger_lengthening(actuator: ActuatorResult, chamber: Chamber, finger: Finge
         If the volume does not grow by more than the bulging.
     """
     p, d = actuator.pressure_pa_gauge[1:], actuator.lengthening_m[1:]
-    swelling = (actuator.volume_m3[1:] - np.array([chamber.volume(x) for x in d])) / p
+    swelling = (actuator.volume_m3[1:] - np.array([chamber.volume(x, 0.0) for x in d])) / p
     (slope, straight), *_ = np.linalg.lstsq(np.stack([d, np.ones_like(d)], axis=1), swelling, rcond=None)
     pressure = finger.pressure_pa_gauge[1:]
     # B delta^2 / 2 + (A + p C') delta - (dV - p C0) = 0
@@ -124,13 +127,15 @@ def finger_errors(surrogate: Surrogate, finger: FingerResult) -> dict[str, float
     """Distance of the surrogate's own equilibrium from the complete finger, over all loaded states."""
     angle = np.array([surrogate.angles(p) for p in finger.pressure_pa_gauge[1:]])
     error = angle - finger.joint_angle_rad[1:]
-    volume = [surrogate.chamber.volume(surrogate.lengthening_m(q)) for q in angle]
+    states = zip(angle, finger.pressure_pa_gauge[1:], strict=True)
+    volume = np.array([surrogate.chamber.volume(surrogate.lengthening_m(q), p) for q, p in states])
     return {
         "finger_joint_angle_rad": _rms(error),
         "finger_joint_angle_rad_max": float(np.abs(error).max()),
         "finger_tip_angle_rad": _rms(error.sum(axis=1)),
         "finger_tip_angle_rad_max": float(np.abs(error.sum(axis=1)).max()),
-        "finger_volume_m3": _rms(finger.volume_m3[1:] - np.array(volume)),
+        "finger_volume_m3": _rms(finger.volume_m3[1:] - volume),
+        "finger_volume_m3_max": float(np.abs(finger.volume_m3[1:] - volume).max()),
     }
 
 
@@ -163,11 +168,19 @@ def fit_joint(angle_rad: F64, torque_n_m: F64, tied_n_m_per_rad: F64, flexure: C
     return flexure + fit_monotone(angle_rad, rest, 1.0 / np.maximum(stiffness, _SOFTEST * stiffness.max()))
 
 
-def fit_chamber(lengthening_m: F64, area_m2: F64, volume_m3: float) -> Chamber:
-    """Fit A + B delta to the thrust area of the finite elements; V0 is that of the mesh."""
-    design = np.stack([np.ones_like(lengthening_m), lengthening_m], axis=1)
-    (area, slope), *_ = np.linalg.lstsq(design, area_m2, rcond=None)
-    return Chamber(volume_m3=volume_m3, area_m2=float(area), area_slope_m=float(slope))
+def fit_chamber(actuator: ActuatorResult, used: np.ndarray) -> Chamber:
+    """Fit A + B delta to the thrust area, and then C p to what the volume lacks; V0 is that of the mesh.
+
+    Least squares over the states ``used`` [n].
+    """
+    delta, pressure = actuator.lengthening_m[used], actuator.pressure_pa_gauge[used]
+    design = np.stack([np.ones_like(delta), delta], axis=1)
+    (area, slope), *_ = np.linalg.lstsq(design, actuator.thrust_area_m2[used], rcond=None)
+    stiff = Chamber(
+        volume_m3=float(actuator.volume_m3[0]), area_m2=float(area), area_slope_m=float(slope), bulging_m3_per_pa=0.0
+    )
+    lacking = actuator.volume_m3[used] - np.array([stiff.volume(d, 0.0) for d in delta])
+    return replace(stiff, bulging_m3_per_pa=max(0.0, float(pressure @ lacking / (pressure @ pressure))))
 
 
 def fit_monotone(x: F64, y: F64, weight: F64 | None = None) -> Cubic:

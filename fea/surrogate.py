@@ -47,19 +47,25 @@ class Cubic:
 
 @dataclass(frozen=True, kw_only=True)
 class Chamber:
-    """V(delta) = V0 + A delta + B delta^2 / 2, so the thrust is p (A + B delta)."""
+    """V(delta, p) = V0 + A delta + B delta^2 / 2 + C p, so the thrust is p (A + B delta).
+
+    C is the bulging of the wall between the rings. It takes gas and stores its work, C p^2 / 2, but as it does not
+    depend on delta it does none on the finger.
+    """
 
     volume_m3: float
     area_m2: float
     area_slope_m: float
+    bulging_m3_per_pa: float
 
     def area(self, lengthening_m: float) -> float:
         """Return dV/d(delta) [m^2]."""
         return self.area_m2 + self.area_slope_m * lengthening_m
 
-    def volume(self, lengthening_m: float) -> float:
+    def volume(self, lengthening_m: float, pressure_pa_gauge: float) -> float:
         """Return V [m^3]."""
-        return self.volume_m3 + self.area_m2 * lengthening_m + 0.5 * self.area_slope_m * lengthening_m**2
+        stretched = self.area_m2 * lengthening_m + 0.5 * self.area_slope_m * lengthening_m**2
+        return self.volume_m3 + stretched + self.bulging_m3_per_pa * pressure_pa_gauge
 
 
 @dataclass(frozen=True, kw_only=True)

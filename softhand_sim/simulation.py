@@ -11,7 +11,7 @@ from softhand_sim.elements import FINGERS
 from softhand_sim.hand.anatomy import HandAnatomy
 from softhand_sim.hand.hand import WRIST
 from softhand_sim.pneumatics.state import PneumaticState
-from softhand_sim.pneumatics.system import PneumaticSystem
+from softhand_sim.pneumatics.system import PneumaticSystem, default_elements
 from softhand_sim.wrist import limited_step
 
 Vector = npt.NDArray[np.float64]
@@ -44,6 +44,11 @@ class HandIndex:
         )
 
 
+def default_pneumatics(calibration: FingerCalibration) -> PneumaticSystem:
+    """Return default valves, tubes, sensors and control for the fingers of a calibration."""
+    return PneumaticSystem(elements=default_elements(calibration.chamber.bulging_m3_per_pa))
+
+
 @dataclass(kw_only=True)
 class HandSimulation:
     """One world: mutable on purpose, since it wraps the engine's own mutable ``MjData``.
@@ -59,8 +64,8 @@ class HandSimulation:
 
     model: mujoco.MjModel
     calibration: FingerCalibration
+    pneumatics: PneumaticSystem
     anatomy: HandAnatomy = field(default_factory=HandAnatomy)
-    pneumatics: PneumaticSystem = field(default_factory=PneumaticSystem)
 
     def __post_init__(self) -> None:
         self.index = HandIndex.of(self.model)
@@ -93,7 +98,7 @@ class HandSimulation:
         mujoco.mj_step(self.model, self.data)
 
     def chamber_volumes_m3(self) -> Vector:
-        """Volume of each finger's chamber, shape (5,): V(delta) at the tendon's present length."""
+        """Volume of each finger's chamber without bulging, shape (5,): V(delta) at the tendon's present length."""
         delta = np.asarray(self.data.ten_length[self.index.tendon])
         chamber = self.calibration.chamber
         return np.asarray(chamber.volume_m3 + delta * (chamber.area_m2 + 0.5 * chamber.area_slope_m * delta))

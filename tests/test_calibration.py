@@ -23,7 +23,7 @@ def plausible():
     }
     return {
         "schema": "softhand-sim/finger-calibration",
-        "schema_version": 1,
+        "schema_version": 2,
         "geometry": {"flexure_thickness_m": 2e-3},
         "finger": {
             "length_m": 0.09,
@@ -34,7 +34,7 @@ def plausible():
         },
         "joints": [{"name": name, **joint} for name in ("proximal", "middle", "distal")],
         "tendon": {"stiffness_n_per_m": 250.0, "stiffness_n_per_m2": -3000.0, "stiffness_n_per_m3": 1e5},
-        "chamber": {"volume_m3": 2.5e-6, "area_m2": 6.4e-5, "area_slope_m": 1e-4},
+        "chamber": {"volume_m3": 2.5e-6, "area_m2": 6.4e-5, "area_slope_m": 1e-4, "bulging_m3_per_pa": 5e-12},
         "curve": {
             "pressure_pa_gauge": pressure,
             "tip_angle_deg": tip,
@@ -86,7 +86,7 @@ def test_look_ups_are_inverse_and_end_with_the_table(tmp_path):
 
 REFUSALS = [
     (("schema",), "other", "schema = 'other'"),
-    (("schema_version",), 2, "schema_version = 2: must be 1"),
+    (("schema_version",), 1, "schema_version = 1: must be 2"),
     (("joints",), [], "joints = "),
     (("joints", 0, "name"), "distal", "joints = "),
     (("joints", 1, "offset_m"), 0.0, r"joints\[1\]\.offset_m = 0\.0"),

@@ -65,20 +65,26 @@ class TendonCalibration:
 
 @dataclass(frozen=True, kw_only=True)
 class ChamberCalibration:
-    """Chamber: ``V = V0 + A d + B d^2 / 2`` at elongation ``d`` [m]; tendon force ``p dV/dd``."""
+    """Chamber: ``V = V0 + A d + B d^2 / 2 + C p`` at elongation ``d`` [m]; tendon force ``p dV/dd``.
+
+    ``C p``, with the gauge pressure, is the wall's bulging between the rings, which takes gas and moves nothing.
+    """
 
     volume_m3: float
     area_m2: float
     area_slope_m: float
+    bulging_m3_per_pa: float
 
     def __post_init__(self) -> None:
         require_finite("volume_m3", self.volume_m3, above=0.0)
         require_finite("area_m2", self.area_m2, above=0.0)
         require_finite("area_slope_m", self.area_slope_m)
+        require_finite("bulging_m3_per_pa", self.bulging_m3_per_pa, at_least=0.0)
 
-    def volume_m3_at(self, elongation_m: float) -> float:
-        """Return the chamber's volume [m3] at an elongation [m]."""
-        return self.volume_m3 + elongation_m * (self.area_m2 + 0.5 * self.area_slope_m * elongation_m)
+    def volume_m3_at(self, elongation_m: float, pressure_pa_gauge: float = 0.0) -> float:
+        """Return the chamber's volume [m3] at an elongation [m] and a gauge pressure [Pa]."""
+        stretched = elongation_m * (self.area_m2 + 0.5 * self.area_slope_m * elongation_m)
+        return self.volume_m3 + stretched + self.bulging_m3_per_pa * pressure_pa_gauge
 
     def area_m2_at(self, elongation_m: float) -> float:
         """Return the effective area ``dV/dd`` [m2] at an elongation [m]."""

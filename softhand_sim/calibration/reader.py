@@ -22,7 +22,7 @@ from softhand_sim.calibration.parts import (
 )
 
 SCHEMA = "softhand-sim/finger-calibration"
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 2
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

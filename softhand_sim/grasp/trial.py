@@ -16,7 +16,7 @@ from softhand_sim.grasp.verdict import Outcome, Thresholds, judge
 from softhand_sim.hand.scene import EngineSettings, Scene, build_scene
 from softhand_sim.objects.mjcf import attach_object
 from softhand_sim.objects.model import ObjectModel
-from softhand_sim.simulation import HandSimulation
+from softhand_sim.simulation import HandSimulation, default_pneumatics
 
 # the sensor's and the controller's rate; the recorder samples at the same
 SAMPLE_S = 0.02
@@ -83,7 +83,9 @@ def run_trial(setup: TrialSetup, seed: int, watch: Callable[[HandSimulation], No
     started = time.perf_counter()
     rng = np.random.default_rng(seed)
     offset = setup.protocol.draw_offset(rng)
-    simulation = HandSimulation(model=setup.scene.model, calibration=setup.calibration)
+    simulation = HandSimulation(
+        model=setup.scene.model, calibration=setup.calibration, pneumatics=default_pneumatics(setup.calibration)
+    )
     simulation.reset(rng, setup.plan.standoff(setup.protocol.approach_m))
     place_object(simulation, setup.model.rest_height_m, offset)
     recorder = Recorder.of(simulation, setup.model.rest_height_m)

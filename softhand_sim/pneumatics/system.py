@@ -26,9 +26,12 @@ Values = Sequence[float] | npt.NDArray[np.float64]
 _TIME_TOLERANCE_S = 1e-9  # a tick this close to a step's end belongs to the next step; far below any step
 
 
-def default_elements() -> tuple[Element, ...]:
-    """Return the three elements with default valves and the tubes of their fingers."""
-    return tuple(Element(dead_volume_m3=tube_volume_m3(len(fingers))) for fingers in FINGERS_OF_ELEMENT)
+def default_elements(bulging_m3_per_pa: float = 0.0) -> tuple[Element, ...]:
+    """Return the three elements with default valves, the tubes of their fingers and the bulging of each finger."""
+    return tuple(
+        Element(dead_volume_m3=tube_volume_m3(n), compliance_m3_per_pa=n * bulging_m3_per_pa)
+        for n in map(len, FINGERS_OF_ELEMENT)
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,7 +102,7 @@ class PneumaticSystem:
         state
             State at the step's start.
         volumes_m3
-            Chamber volume per finger [m3], (5,), in the order of ``FINGERS``.
+            Chamber volume per finger [m3] at ambient pressure, (5,), in the order of ``FINGERS``.
         set_pa_gauge
             Set pressure per element [Pa gauge], (3,); read at ticks only.
         dt

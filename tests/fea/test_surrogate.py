@@ -31,7 +31,7 @@ def coarse(geometry, materials, exoskeleton) -> Calibration:
     model = actuator_model(geometry, materials.silicone, materials.pet, mesh)
     actuator = analyse_actuator(model, geometry, [5e3, 1e4, 1.5e4, 2e4])
     delta = actuator.lengthening_m[1:]
-    chamber = fit_chamber(delta, actuator.thrust_area_m2[1:], float(actuator.volume_m3[0]))
+    chamber = fit_chamber(actuator, actuator.pressure_pa_gauge > 0.0)
     tendon = fit_monotone(delta, actuator.pressure_pa_gauge[1:] * np.array([chamber.area(d) for d in delta]))
     joint = fit_flexure(exoskeleton)[0].law + Cubic(a=0.013, b=-0.011, c=0.0035)
     parts = Surrogate(offset_m=(6.2e-3, 6.2e-3, 6.2e-3), joints=(joint, joint, joint), tendon=tendon, chamber=chamber)
@@ -61,7 +61,7 @@ def test_equilibrium_balances_virtual_work(coarse):
                 theta[joint] += q
                 delta = float(np.dot(s.offset_m, theta))
                 springs = sum(map(_integral, s.joints, theta)) + _integral(s.tendon, delta)
-                return springs - pressure * s.chamber.volume(delta)
+                return springs - pressure * s.chamber.volume(delta, pressure)
 
             slope = (potential(h) - potential(-h)) / (2 * h)
             assert abs(slope) < 1e-6 * pressure * s.chamber.area_m2 * s.offset_m[joint]
@@ -74,7 +74,7 @@ def _integral(law: Cubic, x: float) -> float:
 def test_thrust_is_the_derivative_of_the_volume(coarse):
     chamber = coarse.fit.surrogate.chamber
     for delta in (0.0, 4e-3, 1.2e-2):
-        slope = (chamber.volume(delta + 1e-6) - chamber.volume(delta - 1e-6)) / 2e-6
+        slope = (chamber.volume(delta + 1e-6, 3e4) - chamber.volume(delta - 1e-6, 3e4)) / 2e-6
         assert slope == pytest.approx(chamber.area(delta), rel=1e-7)
 
 
@@ -154,7 +154,10 @@ def test_shipped_surrogate_follows_the_complete_finger(shipped):
     surrogate, table = _surrogate(shipped), shipped["fea"]["finger"]
     assert table["status"] == "converged"
     assert table["pressure_pa_gauge"][-1] == 80e3
-    for pressure, joints in zip(table["pressure_pa_gauge"][2:], table["joint_angle_rad"][2:], strict=True):
+    rows = (table[name][2:] for name in ("pressure_pa_gauge", "joint_angle_rad", "chamber_volume_m3"))
+    for pressure, joints, volume in zip(*rows, strict=True):
+        own = surrogate.chamber.volume(surrogate.lengthening_m(surrogate.angles(pressure)), pressure)
+        assert own == pytest.approx(volume, rel=0.02)
         tip = float(np.rad2deg(np.sum(joints)))
         assert surrogate.tip_angle_deg(pressure) == pytest.approx(tip, rel=0.015, abs=0.6)
         np.testing.assert_allclose(surrogate.angles(pressure), joints, atol=np.deg2rad(0.6))

@@ -32,7 +32,7 @@ def finger_like(surrogate: Surrogate, pressures: list[float], bulging: Callable[
     pressure = np.array([0.0, *pressures])
     angle = np.array([surrogate.angles(p) for p in pressure])
     lengthening = [surrogate.lengthening_m(q) for q in angle]
-    volume = [surrogate.chamber.volume(d) + p * bulging(d) for p, d in zip(pressure, lengthening, strict=True)]
+    volume = [surrogate.chamber.volume(d, 0.0) + p * bulging(d) for p, d in zip(pressure, lengthening, strict=True)]
     return finger_result(pressure, angle, np.array(volume))
 
 

@@ -202,3 +202,35 @@ def test_bad_step_arguments_are_refused(bad):
     for name in ("mass_kg", "volume_m3", "dt"):
         with pytest.raises(ValueError, match=name):
             element.step(**{**good, name: bad})
+
+
+def test_bulging_walls_take_more_gas_and_give_it_back():
+    """p (V0 + C (p - ambient)) = m R T, both ways, and with the same valves a slower fill."""
+    soft, stiff = Element(compliance_m3_per_pa=5e-12), Element()
+    for pressure in (20e3, AMBIENT_PA_ABS, 180e3, 250e3):
+        mass = soft.mass_kg(pressure, V0)
+        volume = V0 + soft.dead_volume_m3 + 5e-12 * (pressure - AMBIENT_PA_ABS)
+        assert mass == pytest.approx(pressure * volume / RT, rel=1e-14)
+        assert soft.pressure_pa_abs(mass, V0) == pytest.approx(pressure, rel=1e-14)
+    for dt in (1e-4, 2e-3, 2e-2):
+        fill, slow = (march(e, AMBIENT_PA_ABS, lambda _t: V0, dt, 0.1, lambda _t: (True, False)) for e in (stiff, soft))
+        assert (slow < fill).all()
+        assert (np.diff(slow) > 0.0).all()
+
+
+def test_bulging_walls_follow_the_balance_of_mass_at_first_order():
+    """Against a stiff reference of d(p V(p))/dt = R T q(p), with V(p) = V0 + C (p - ambient)."""
+    element, c = Element(compliance_m3_per_pa=8e-12), 8e-12
+    start, end = AMBIENT_PA_ABS, 0.5
+
+    def rate(_t, p):
+        slope = V0 + element.dead_volume_m3 + c * (2.0 * p[0] - AMBIENT_PA_ABS)
+        return [RT * iso_flow(250e3, p[0]) / slope]
+
+    exact = solve_ivp(rate, (0.0, end), [start], method="Radau", rtol=1e-10, atol=1e-3).y[0, -1]
+    errors = [
+        abs(march(element, start, lambda _t: V0, dt, end, lambda _t: (True, False))[-1] - exact)
+        for dt in (4e-3, 2e-3, 1e-3)
+    ]
+    assert errors[-1] < 0.002 * exact
+    assert errors[0] / errors[1] == pytest.approx(2.0, rel=0.1)
