@@ -6,11 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from fea.arrays import F64, Bool
-from fea.assembly import Load, SolidModel
+from fea.assembly import SolidModel
 from fea.cost import NO_COST, Cost
 from fea.geometry import FingerGeometry
 from fea.inputs import check_loads
 from fea.lattice import VOID, Lattice, SolidMesh, build_mesh, split, symmetry_nodes
+from fea.load import Load
 from fea.materials import Material
 from fea.newton import NewtonOptions, Status
 from fea.path import Sweep, follow

@@ -7,7 +7,7 @@ import numpy as np
 
 from fea.actuator import RING, SILICONE, ActuatorMesh, actuator_lattice, chamber_cavity
 from fea.arrays import F64, I64
-from fea.assembly import Load, SolidModel
+from fea.assembly import SolidModel
 from fea.contact import ContactOptions, SurfaceContact
 from fea.cost import NO_COST, Cost
 from fea.exoskeleton import ExoskeletonMesh, exoskeleton_lattice, section_motions
@@ -15,6 +15,7 @@ from fea.finger_path import FingerPath
 from fea.friction import Together, accumulated_slip_m
 from fea.geometry import FingerGeometry
 from fea.lattice import VOID, Lattice, build_mesh, free_faces, symmetry_nodes
+from fea.load import Load
 from fea.materials import Material
 from fea.meshes import linear_mesh
 from fea.newton import NewtonOptions, Status

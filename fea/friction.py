@@ -19,9 +19,9 @@ import numpy as np
 import scipy.sparse as sp
 
 from fea.arrays import F64
-from fea.assembly import Load
 from fea.contact import SurfaceContact
 from fea.contact_interface import Contact, ContactState
+from fea.load import Load
 from fea.newton import NewtonOptions, Outcome, solve_equilibrium
 from fea.tangential import TangentialPairs
 from fea.workspace import Workspace

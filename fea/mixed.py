@@ -13,11 +13,12 @@ import scipy.sparse as sp
 from skfem.quadrature import get_quadrature
 
 from fea.arrays import F64, I64, Bool
-from fea.assembly import Load, deformation, element_gradients
+from fea.assembly import deformation, element_gradients
 from fea.cavity import Cavity
 from fea.lattice import SolidMesh
 from fea.laws import Law, cofactor_derivative
 from fea.linear_solver import SymmetricSolver
+from fea.load import Load
 from fea.newton import NewtonOptions, Status
 
 _CHUNK = 1024

@@ -18,9 +18,10 @@ import numpy as np
 import scipy.sparse as sp
 
 from fea.arrays import F64
-from fea.assembly import Evaluation, Load
+from fea.assembly import Evaluation
 from fea.contact_interface import Contact, ContactState
 from fea.cost import NO_COST, Cost, Stopwatch
+from fea.load import Load
 from fea.workspace import Workspace
 
 _SUFFICIENT_DECREASE = 1e-4

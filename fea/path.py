@@ -7,10 +7,11 @@ from functools import partial
 import numpy as np
 
 from fea.arrays import F64
-from fea.assembly import Load, SolidModel
+from fea.assembly import SolidModel
 from fea.contact_interface import Contact
 from fea.cost import NO_COST, Cost
 from fea.friction import advance, begin, solve_step
+from fea.load import Load
 from fea.newton import NewtonOptions, Outcome, Status
 from fea.workspace import workspace
 

@@ -14,9 +14,10 @@ import numpy as np
 import scipy.sparse as sp
 
 from fea.arrays import F64
-from fea.assembly import Load, SolidModel, Supply
+from fea.assembly import SolidModel
 from fea.contact_interface import Contact
 from fea.friction import advance, begin, solve_step
+from fea.load import Load, Supply
 from fea.newton import NewtonOptions, Outcome, Status
 from fea.workspace import Workspace, workspace
 

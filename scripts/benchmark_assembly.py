@@ -21,11 +21,12 @@ import numpy as np
 from skfem import Basis, BilinearForm, ElementTetP2, ElementVector
 
 from fea.arrays import F64, I64
-from fea.assembly import Load, SolidModel
+from fea.assembly import SolidModel
 from fea.calibration import load_materials
 from fea.compiled import kernel_name
 from fea.laws import Law
 from fea.linear_solver import SymmetricSolver, solver_name
+from fea.load import Load
 from fea.meshes import rectangle, sweep
 from fea.rubber import ClosedNeoHookean, PointwiseVolume
 from scripts import _cli

@@ -5,10 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from fea.arrays import F64, Bool
-from fea.assembly import Load, SolidModel
+from fea.assembly import SolidModel
 from fea.cavity import Cavity
 from fea.lattice import SolidMesh
 from fea.laws import Law
+from fea.load import Load
 from fea.meshes import linear_mesh
 from fea.mixed import MixedModel
 from fea.newton import NewtonOptions, solve_equilibrium

@@ -8,11 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from fea.arrays import F64, Bool
-from fea.assembly import Load, SolidModel
+from fea.assembly import SolidModel
 from fea.contact import ContactOptions, SurfaceContact
 from fea.friction import advance, begin, solve_step
 from fea.lattice import SolidMesh, free_faces
 from fea.laws import Law
+from fea.load import Load
 from fea.meshes import rectangle, sweep, union
 from fea.newton import NewtonOptions
 from fea.workspace import workspace

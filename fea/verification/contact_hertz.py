@@ -13,10 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from fea.arrays import F64
-from fea.assembly import Load, SolidModel
+from fea.assembly import SolidModel
 from fea.contact import ContactOptions, SurfaceContact
 from fea.lattice import SolidMesh, free_faces
 from fea.laws import StVenantKirchhoff
+from fea.load import Load
 from fea.meshes import rectangle, sweep, union
 from fea.newton import NewtonOptions, solve_equilibrium
 from fea.verification.common import Row

@@ -15,9 +15,10 @@ import numpy as np
 from scipy.optimize import brentq
 
 from fea.arrays import F64
-from fea.assembly import Load, SolidModel, deformation
+from fea.assembly import SolidModel, deformation
 from fea.contact import ContactOptions
 from fea.laws import StVenantKirchhoff
+from fea.load import Load
 from fea.meshes import rectangle, straight_sided, sweep
 from fea.newton import NewtonOptions, solve_equilibrium
 from fea.verification.common import Row

@@ -10,9 +10,9 @@ import numpy as np
 from skfem import Basis, ElementTetP2
 
 from fea.arrays import F64
-from fea.assembly import Load
 from fea.lattice import SolidMesh, free_faces
 from fea.laws import StVenantKirchhoff
+from fea.load import Load
 from fea.meshes import rectangle, sweep
 from fea.rubber import neo_hookean
 from fea.verification.common import Problem, pressures, symmetry_planes

@@ -8,8 +8,8 @@ Numbers are without units in the source; here metres and pascals.
 import numpy as np
 
 from fea.arrays import F64
-from fea.assembly import Load
 from fea.lattice import free_faces
+from fea.load import Load
 from fea.meshes import linear_mesh, rectangle, surface_force, sweep
 from fea.rubber import neo_hookean
 from fea.verification.common import Problem, Row

@@ -7,8 +7,8 @@ linear displacements and integrates a uniform stress exactly gives it to roundin
 import numpy as np
 
 from fea.arrays import F64
-from fea.assembly import Load
 from fea.lattice import SolidMesh
+from fea.load import Load
 from fea.meshes import rectangle, straight_sided, sweep
 from fea.rubber import neo_hookean
 from fea.verification.common import Problem

@@ -9,10 +9,11 @@ the ring radius,
 import numpy as np
 from scipy.integrate import quad
 
-from fea.assembly import Load, SolidModel
+from fea.assembly import SolidModel
 from fea.cavity import Cavity
 from fea.lattice import free_faces
 from fea.laws import IsochoricOgden
+from fea.load import Load
 from fea.meshes import rectangle, sweep
 from fea.newton import NewtonOptions, solve_equilibrium
 from fea.verification.common import Row, symmetry_planes

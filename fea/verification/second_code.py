@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from fea.arrays import F64, Bool
-from fea.assembly import Load
 from fea.lattice import free_faces
 from fea.linear_solver import SymmetricSolver
+from fea.load import Load
 from fea.meshes import rectangle, sweep
 from fea.mixed import MixedModel
 from fea.newton import NewtonOptions

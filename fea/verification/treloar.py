@@ -6,7 +6,8 @@ mu = (0.63, 0.0012, -0.01) MPa, alpha = (1.3, 5, -2). Nominal stress of the inco
 
 import numpy as np
 
-from fea.assembly import Load, SolidModel
+from fea.assembly import SolidModel
+from fea.load import Load
 from fea.meshes import rectangle, sweep
 from fea.newton import NewtonOptions, solve_equilibrium
 from fea.rubber import ogden

@@ -6,8 +6,8 @@ from scipy.optimize import brentq
 from tests_fea_helpers import tube_model
 
 from fea.actuator import ActuatorMesh, actuator_model, analyse_actuator
-from fea.assembly import Load
 from fea.lattice import Lattice
+from fea.load import Load
 from fea.newton import NewtonOptions, Status, solve_equilibrium
 from fea.workspace import workspace
 

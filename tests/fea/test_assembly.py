@@ -5,10 +5,11 @@ import pytest
 import scipy.sparse as sp
 from tests_fea_helpers import tube_model
 
-from fea.assembly import Load, SolidModel, Supply
+from fea.assembly import SolidModel
 from fea.lattice import Lattice, build_mesh
 from fea.laws import IsochoricOgden, StVenantKirchhoff
 from fea.linear_solver import SymmetricSolver
+from fea.load import Load, Supply
 from fea.newton import NewtonOptions, Status, solve_equilibrium
 from fea.path import follow
 from fea.workspace import workspace

@@ -3,10 +3,11 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from fea.assembly import Load, SolidModel
+from fea.assembly import SolidModel
 from fea.contact import ContactOptions, SurfaceContact
 from fea.lattice import Lattice, build_mesh, free_faces, symmetry_nodes
 from fea.laws import StVenantKirchhoff
+from fea.load import Load
 from fea.meshes import linear_mesh
 from fea.newton import NewtonOptions, Status, solve_equilibrium
 from fea.workspace import workspace

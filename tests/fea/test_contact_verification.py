@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from fea.assembly import Load
 from fea.contact import ContactOptions
 from fea.lattice import free_faces
+from fea.load import Load
 from fea.meshes import surface_force
 from fea.newton import NewtonOptions, solve_equilibrium
 from fea.rubber import neo_hookean

@@ -5,13 +5,14 @@ import pytest
 import scipy.sparse as sp
 
 from fea.actuator import ActuatorMesh, actuator_model
-from fea.assembly import Load, element_forces
+from fea.assembly import element_forces
 from fea.contact_interface import ContactState
 from fea.exoskeleton import ExoskeletonMesh
 from fea.finger import CONTACT, OPTIONS, TPU, FingerMesh, analyse_finger, finger_lattices, finger_model
 from fea.finger_path import FingerPath
 from fea.geometry import FingerGeometry
 from fea.lattice import build_mesh, is_conforming
+from fea.load import Load
 from fea.materials import load_material
 from fea.newton import NewtonOptions, Status, solve_equilibrium
 from fea.volume_control import inflate_by_volume

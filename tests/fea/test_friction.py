@@ -3,10 +3,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fea.assembly import Load
 from fea.contact import ContactOptions, SurfaceContact
 from fea.friction import accumulated_slip_m, advance, begin, solve_step
 from fea.lattice import free_faces
+from fea.load import Load
 from fea.meshes import surface_force
 from fea.newton import NewtonOptions, solve_equilibrium
 from fea.path import Sweep, follow

@@ -7,10 +7,11 @@ import scipy.sparse as sp
 from tests_fea_helpers import tube_model
 
 import fea.ranges
-from fea.assembly import Load, SolidModel, element_forces
+from fea.assembly import SolidModel, element_forces
 from fea.compiled import compiled_law, kernel_name
 from fea.lattice import Lattice
 from fea.laws import IsochoricOgden, Law, StVenantKirchhoff
+from fea.load import Load
 from fea.rubber import ClosedNeoHookean, PointwiseVolume, mooney_rivlin
 
 NEO = ClosedNeoHookean(shear_modulus_pa=3e4)

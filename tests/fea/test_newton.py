@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from fea.actuator import ActuatorMesh, actuator_model
-from fea.assembly import Load, SolidModel
+from fea.assembly import SolidModel
+from fea.load import Load
 from fea.newton import NewtonOptions, solve_equilibrium
 from fea.workspace import workspace
 

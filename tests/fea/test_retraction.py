@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 from fea.actuator import ActuatorMesh, actuator_model
-from fea.assembly import Load, SolidModel
+from fea.assembly import SolidModel
 from fea.lattice import Lattice, build_mesh
 from fea.laws import StVenantKirchhoff
 from fea.linear_solver import SymmetricSolver
+from fea.load import Load
 from fea.retraction import Retraction, turned_and_stretched
 
 

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from fea.arrays import F64
-from fea.assembly import Load, SolidModel
+from fea.assembly import SolidModel
 from fea.laws import Law
+from fea.load import Load
 from fea.meshes import linear_mesh, rectangle, sweep
 from fea.mixed import MixedModel
 from fea.rubber import ClosedNeoHookean, mooney_rivlin, neo_hookean, ogden
