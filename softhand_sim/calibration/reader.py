@@ -69,6 +69,10 @@ class FingerCalibration:
         """
         return _look_up("angle_deg", angle_deg, self.curve.tip_angle_deg, self.curve.pressure_pa_gauge)
 
+    def closing_pressure(self, angle_deg: float) -> float:
+        """Return the pressure [Pa gauge] for a tip angle, or the highest calibrated one if the finger bends less."""
+        return self.pressure_for_angle(min(angle_deg, float(self.curve.tip_angle_deg[-1])))
+
     def angle_for_pressure(self, pressure_pa_gauge: float) -> float:
         """Return the tip angle [deg] on the curve at a pressure [Pa gauge], by linear interpolation.
 

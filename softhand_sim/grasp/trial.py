@@ -122,7 +122,7 @@ def _phases(setup: TrialSetup, simulation: HandSimulation, recorder: Recorder) -
     yield arrived
     yield until(data.time + protocol.settle_s)
     simulation.set_pressure_pa_gauge = np.array(
-        [setup.calibration.pressure_for_angle(angle) for angle in setup.plan.set_angle_deg]
+        [setup.calibration.closing_pressure(angle) for angle in setup.plan.set_angle_deg]
     )
     yield until(data.time + protocol.close_s)
     recorder.mark_lift_start(simulation)

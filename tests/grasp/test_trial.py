@@ -39,6 +39,18 @@ def test_heavy_or_oiled_apple_is_not_held(change, calibration):
     assert all(run_trial(setup, seed).outcome in (Outcome.DROPPED, Outcome.MISSED, Outcome.SLIPPED) for seed in (0, 1))
 
 
+def test_a_finger_that_bends_less_closes_with_its_highest_pressure(calibration):
+    """A stiffer finger, or a coarser mesh, may not reach the script's 95 degrees at all."""
+    curve, known = calibration.curve, calibration.curve.pressure_pa_gauge <= 60e3
+    rows = {name: getattr(curve, name)[known] for name in ("pressure_pa_gauge", "tip_angle_deg", "joint_angle_deg")}
+    less = dataclasses.replace(calibration, curve=dataclasses.replace(curve, **rows))
+    assert less.curve.tip_angle_deg[-1] < 95.0
+    assert less.closing_pressure(95.0) == less.curve.pressure_pa_gauge[-1] == 60e3
+    assert less.closing_pressure(30.0) == calibration.pressure_for_angle(30.0)
+    result = run_trial(prepare(make_object("apple"), less), seed=0)
+    assert 54e3 < max(result.peak_pressure_pa_gauge.values()) < 65e3
+
+
 def test_without_pressure_nothing_is_lifted(calibration):
     setup = prepare(make_object("apple"), calibration)
     open_hand = dataclasses.replace(setup.plan, set_angle_deg=(0.0, 0.0, 0.0))
