@@ -55,8 +55,8 @@ class GraspPlan:
     ----------
     wrist_pose: x, y, z (m), yaw, pitch, roll (rad), shape (6,).
     retreat: unit vector, shape (3,), along which the hand backs off from the pose, and comes in.
-    set_angle_deg: bending angle asked of thumb, index, middle-ring-little; a finger that is calibrated for less gets its
-        highest pressure.
+    set_angle_deg: bending angle asked of thumb, index, middle-ring-little; a finger that is calibrated for less gets
+        its highest pressure.
     """
 
     kind: ShapeKind
