@@ -1,12 +1,13 @@
 """Newton's method for large rotations, follower pressure and contact. Failure is a value, not an exception.
 
-Three things make it converge where stiff rings turn far in one step (figures in docs/decisions.md):
+Four things make it converge where stiff rings turn far in one step (figures in docs/decisions.md):
 
 - the linear step is applied through :class:`fea.retraction.Retraction`, which turns stiff parts and does not
   stretch them;
 - the tangent belongs to the load that the stresses balance. The stiffness of a follower pressure that the walls do not
   carry yet is that of a strut about to buckle, so the load moves on with the step that brings the stresses there;
-- a search on the energy keeps steps from going deep into a contact's barrier.
+- while it moves on, a step is taken in the share that leaves less than the load out of balance;
+- then a search on the energy keeps steps from going deep into a contact's barrier.
 """
 
 from collections.abc import Callable
@@ -179,9 +180,8 @@ class _Solve:
         return imbalance + touch.force_n.ravel()[model.free], self._with_contact(tangent, touch)
 
     def _with_contact(self, tangent: sp.csr_array, touch: ContactState) -> sp.csr_array:
-        free = self.work.model.free
         with self.watch.time("contact"):
-            return self.work.pattern.add(tangent, sp.csr_array(touch.hessian[free][:, free]))
+            return self.work.with_contact(tangent, touch.hessian)
 
     def _direction(self, u: F64, state: Evaluation, tangent: sp.csr_array, imbalance: F64) -> F64 | None:
         """Return a step down the energy: Newton's, else with the contact's Hessian projected, else on a foundation."""

@@ -11,7 +11,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy.sparse as sp
 
 from fea.arrays import F64
 from fea.assembly import SolidModel
@@ -178,8 +177,8 @@ class _Follower:
             return np.nan
         tangent = state.tangent
         if contact is not None:
-            touch = contact.held(u_m).evaluate(u_m, project=False).hessian
-            tangent = self.work.pattern.add(tangent, sp.csr_array(touch[model.free][:, model.free]))
+            touch = contact.held(u_m).evaluate(u_m, project=False)
+            tangent = self.work.with_contact(tangent, touch.hessian)
         gradient = model.cavity.gradient(model.mesh.points_m + u_m).ravel()[model.free]
         solved = self.work.solver.solve(tangent, gradient)
         return np.nan if solved is None else 1.0 / float(gradient @ solved)

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.sparse as sp
 
 from fea.arrays import F64
 from fea.assembly import SolidModel
@@ -31,6 +32,11 @@ class Workspace:
     pattern: GrowingPattern
     retraction: Retraction
     foundation_n_per_m: F64
+
+    def with_contact(self, tangent: sp.csr_array, hessian: sp.csr_array) -> sp.csr_array:
+        """Return a tangent [n_free, n_free] plus a contact's Hessian [3 n_nodes, 3 n_nodes], upper triangles."""
+        free = self.model.free
+        return self.pattern.add(tangent, sp.csr_array(hessian[free][:, free]))
 
     def close(self) -> None:
         """Release the factors."""

@@ -88,6 +88,12 @@ def add_dimension(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_materials(parser: argparse.ArgumentParser) -> None:
+    """Add ``--materials SILICONE TPU``."""
+    text = "parameter sets of the silicone and of the TPU (set3 set3)"
+    parser.add_argument("--materials", nargs=2, metavar=("SILICONE", "TPU"), default=["set3", "set3"], help=text)
+
+
 def add_friction(parser: argparse.ArgumentParser, default: float) -> None:
     """Add ``--friction MU``."""
     text = "Coulomb's coefficient of silicone on TPU (%(default)s)"

@@ -41,13 +41,7 @@ def parser() -> _cli.Parser:
     """Return the command line."""
     p = _cli.Parser(description=__doc__, examples=EXAMPLES)
     p.add_argument("--density", choices=sorted(DENSITIES), default="calibration", help="mesh density (%(default)s)")
-    p.add_argument(
-        "--materials",
-        nargs=2,
-        metavar=("SILICONE", "TPU"),
-        default=["set3", "set3"],
-        help="parameter sets of the silicone and of the TPU (set3 set3)",
-    )
+    _cli.add_materials(p)
     _cli.add_dimension(p)
     p.add_argument("--choose-sector", action="store_true", help="find the palm sector that gives 95 degrees at 75 kPa")
     p.add_argument("--out", type=Path, help="calibration file (assets/calibration/finger.json)")

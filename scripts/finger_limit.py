@@ -36,7 +36,7 @@ def parser() -> _cli.Parser:
     """Return the command line."""
     p = _cli.Parser(description=__doc__, examples=EXAMPLES)
     p.add_argument("--mesh", choices=list(MESHES), default="calibration", help="mesh density (%(default)s)")
-    p.add_argument("--materials", nargs=2, default=["set3", "set3"], metavar="SET", help="silicone and TPU (set3 set3)")
+    _cli.add_materials(p)
     _cli.add_friction(p, FRICTION)
     p.add_argument("--to", type=_cli.positive_float, default=1.7, help="last volume over that at rest (%(default)s)")
     p.add_argument("--steps", type=_cli.positive_int, default=24, help="volumes on the way (%(default)s)")

@@ -172,13 +172,7 @@ def parser() -> _cli.Parser:
     p.add_argument(
         "--to", type=_cli.positive_float, metavar="KPA", help="highest pressure (75; materials, surrogate: 80)"
     )
-    p.add_argument(
-        "--friction",
-        type=_cli.non_negative_float,
-        metavar="MU",
-        default=FRICTION,
-        help="Coulomb's coefficient (%(default)s)",
-    )
+    _cli.add_friction(p, FRICTION)
     p.add_argument("--unload", action="store_true", help="go down again after the highest pressure")
     _cli.add_dimension(p)
     p.add_common(seed="taken for uniformity; nothing is random", json="keep the runs here")

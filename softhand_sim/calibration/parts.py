@@ -81,10 +81,9 @@ class ChamberCalibration:
         require_finite("area_slope_m", self.area_slope_m)
         require_finite("bulging_m3_per_pa", self.bulging_m3_per_pa, at_least=0.0)
 
-    def volume_m3_at(self, elongation_m: float, pressure_pa_gauge: float = 0.0) -> float:
-        """Return the chamber's volume [m3] at an elongation [m] and a gauge pressure [Pa]."""
-        stretched = elongation_m * (self.area_m2 + 0.5 * self.area_slope_m * elongation_m)
-        return self.volume_m3 + stretched + self.bulging_m3_per_pa * pressure_pa_gauge
+    def volume_m3_at(self, elongation_m: float) -> float:
+        """Return the chamber's volume without bulging [m3] at an elongation [m]."""
+        return self.volume_m3 + elongation_m * (self.area_m2 + 0.5 * self.area_slope_m * elongation_m)
 
     def area_m2_at(self, elongation_m: float) -> float:
         """Return the effective area ``dV/dd`` [m2] at an elongation [m]."""
