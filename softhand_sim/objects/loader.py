@@ -3,14 +3,13 @@
 from pathlib import Path
 
 import numpy as np
-import trimesh
-from scipy.spatial.transform import Rotation
 
 from softhand_sim.objects.decompose import convex_parts, reduced
-from softhand_sim.objects.geometry import FloatArray, ShapeGeometry, hull
+from softhand_sim.objects.geometry import ShapeGeometry
 from softhand_sim.objects.mass import MassProperties, combined, is_closed, mass_properties
 from softhand_sim.objects.model import DEFAULT_FRICTION, ObjectModel, build_object, check_friction, check_mass
 from softhand_sim.objects.reader import read_triangles, repair
+from softhand_sim.objects.resting import resting_rotation, turned
 
 VISUAL_FACES = 4000
 """Faces kept for pictures; choice: finer than a pixel at the sizes rendered here."""
@@ -64,7 +63,7 @@ def load_mesh_object(
         notes = (*notes, f"picture reduced from {len(mesh.faces)} to {VISUAL_FACES} triangles")
     visual = reduced(mesh, VISUAL_FACES)
     return build_object(
-        ShapeGeometry(mesh=_turned(visual, turn), convex_parts=tuple(_turned(part, turn) for part in parts)),
+        ShapeGeometry(mesh=turned(visual, turn), convex_parts=tuple(turned(part, turn) for part in parts)),
         name=path.stem if name is None else name,
         kind="mesh",
         mass_kg=mass_kg,
@@ -76,39 +75,3 @@ def load_mesh_object(
         ),
         notes=notes,
     )
-
-
-def resting_rotation(points: FloatArray, centre: FloatArray, keep_upright: bool) -> FloatArray:
-    """Return the smallest rotation, shape (3, 3), that lays a body down in its most probable resting pose.
-
-    Parameters
-    ----------
-    points : ndarray, shape (n, 3)
-        Of the surface that touches the table.
-    centre : ndarray, shape (3,)
-        Mass centre.
-    keep_upright : bool
-        Take the stable pose with the smallest rotation instead of the most probable one.
-
-    Raises
-    ------
-    ValueError
-        If the mass centre is outside the hull of the points.
-
-    Notes
-    -----
-    Quasi-static drop probabilities over the hull's facets, K. Goldberg et al., IJRR 18(5), 1999, as
-    implemented in trimesh; without sampling, so the same on every call.
-    """
-    outer = hull(points)
-    gaps = np.einsum("ij,ij->i", outer.face_normals, centre - outer.triangles_center)
-    if np.any(gaps >= 0.0):
-        raise ValueError("the mass centre lies outside the hull of the convex parts")
-    poses, _ = trimesh.poses.compute_stable_poses(outer, center_mass=centre, sigma=0.0, n_samples=1, seed=0)
-    ups = np.asarray(poses, dtype=np.float64)[:, 2, :3]
-    up = ups[int(np.argmax(ups[:, 2]))] if keep_upright else ups[0]
-    return np.asarray(Rotation.align_vectors([[0.0, 0.0, 1.0]], [up])[0].as_matrix(), dtype=np.float64)
-
-
-def _turned(mesh: trimesh.Trimesh, rotation: FloatArray) -> trimesh.Trimesh:
-    return trimesh.Trimesh(vertices=np.asarray(mesh.vertices) @ rotation.T, faces=np.asarray(mesh.faces), process=False)
