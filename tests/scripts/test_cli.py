@@ -2,10 +2,12 @@
 
 import json
 
+import numpy as np
 import pytest
 import trimesh
+from PIL import Image
 
-from scripts import calibrate, characterize, grasp_benchmark
+from scripts import calibrate, characterize, grasp_benchmark, object_catalogue
 
 
 def refused(capsys, main, argv):
@@ -59,13 +61,14 @@ def test_bad_meshes_and_masses(file, more, told, meshes, capsys):
         (characterize.main, ["pressure-angle", "--pressures", "ten"], "--pressures"),
         (characterize.main, ["dance"], "dance"),
         (calibrate.main, ["--density", "infinite"], "--density"),
+        (object_catalogue.main, ["--objects", "unicorn"], "unicorn"),
     ],
 )
 def test_bad_arguments(main, argv, told, capsys):
     assert told in refused(capsys, main, argv)
 
 
-@pytest.mark.parametrize("main", [grasp_benchmark.main, characterize.main, calibrate.main])
+@pytest.mark.parametrize("main", [grasp_benchmark.main, characterize.main, calibrate.main, object_catalogue.main])
 def test_help_shows_examples(main, capsys):
     with pytest.raises(SystemExit) as stop:
         main(["--help"])
@@ -105,6 +108,22 @@ def test_a_mesh_of_one_s_own_gets_a_verdict(meshes, tmp_path):
     assert wanted <= set(data["trials"][0])
     assert data["trials"][0]["outcome"] == "HELD"
     assert [p.name for p in tmp_path.iterdir() if "partial" in p.name] == []
+
+
+def test_the_catalogue_s_page_shows_every_object(tmp_path, capsys):
+    page, data, picture = tmp_path / "objects.md", tmp_path / "objects.json", tmp_path / "objects.png"
+    argv = ["--objects", "apple,mug", "--markdown", str(page), "--json", str(data), "--picture", str(picture)]
+    assert object_catalogue.main(argv) == 0
+    rows = json.loads(data.read_text())["objects"]
+    assert rows["mug"]["mass_kg"] == 0.118
+    assert "| apple | 013_apple |" in page.read_text()
+    assert "](objects.png)" in page.read_text()
+    # two tiles of different things, the rest of the row white
+    pixels = np.asarray(Image.open(picture)).astype(int)
+    width = pixels.shape[1] // 8
+    assert np.abs(pixels[:, :width] - pixels[:, width : 2 * width]).max() > 50
+    assert pixels[:, 2 * width :].min() == 255
+    assert "apple" in capsys.readouterr().out
 
 
 def test_characterize_writes_the_agreed_keys(tmp_path):

@@ -1,7 +1,8 @@
 """Generators of the catalogue's shapes: one family a file, found by their `KINDS`.
 
-A new family is one file in this folder with a mapping `KINDS` from the name of the kind (`shape.kind` in the catalogue)
-to a function that returns a `ShapeGeometry`. The function's keyword arguments, all numbers, are the keys of the TOML table.
+A new family is one file in this folder with a mapping `KINDS` from the name of a kind (`shape.kind` in the catalogue)
+to a function that returns a `ShapeGeometry`. The function's keyword arguments, all numbers, are the keys of the TOML
+table.
 Every mesh is closed, outward oriented, in metres, z up in its resting pose, and the same on every call.
 """
 
