@@ -10,6 +10,7 @@ import coacd
 import numpy as np
 import trimesh
 
+from softhand_sim.objects.bodies import without_cavities
 from softhand_sim.objects.cache import content_key, read_parts, write_parts
 from softhand_sim.objects.geometry import FloatArray, hull
 from softhand_sim.objects.mass import is_closed, mass_properties
@@ -73,13 +74,14 @@ def reduced(mesh: trimesh.Trimesh, faces: int) -> trimesh.Trimesh:
 
 
 def convex_parts(mesh: trimesh.Trimesh) -> tuple[trimesh.Trimesh, ...]:
-    """Return convex solids, as closed meshes, that together stand for the mesh.
+    """Return convex solids, as closed meshes, that together stand for the mesh; cavities inside it are filled.
 
     Raises
     ------
     ValueError
         If the decomposition fails.
     """
+    mesh = without_cavities(mesh)
     if is_nearly_convex(mesh):
         return (reduced_hull(np.asarray(mesh.vertices)),)
     small = reduced(mesh, COACD_FACES)

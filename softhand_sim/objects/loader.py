@@ -3,14 +3,17 @@
 from pathlib import Path
 
 import numpy as np
+import trimesh
 
 from softhand_sim.objects.decompose import convex_parts, reduced
 from softhand_sim.objects.geometry import ShapeGeometry
-from softhand_sim.objects.mass import MassProperties, combined, is_closed, mass_properties
+from softhand_sim.objects.mass import MassProperties, combined, is_closed, mass_properties, signed_volume_m3
 from softhand_sim.objects.model import DEFAULT_FRICTION, ObjectModel, build_object, check_friction, check_mass
 from softhand_sim.objects.reader import read_triangles, repair
 from softhand_sim.objects.resting import resting_rotation, turned
 
+WORKING_FACES = 100_000
+"""A finer mesh is reduced first; choice: edges of 1 mm on a mug, seconds instead of a minute for a million."""
 VISUAL_FACES = 4000
 """Faces kept for pictures; choice: finer than a pixel at the sizes rendered here."""
 
@@ -23,6 +26,7 @@ def load_mesh_object(
     scale: float = 1.0,
     name: str | None = None,
     keep_upright: bool = False,
+    root: Path | None = None,
 ) -> ObjectModel:
     """Return an object from an OBJ, STL, PLY, GLB, glTF or OFF file.
 
@@ -41,6 +45,8 @@ def load_mesh_object(
         Default: the file's name without its ending.
     keep_upright : bool
         Take the stable pose nearest to the file's own (z up) instead of the most probable one: a mug then stands.
+    root : Path, optional
+        Folder that neither the file nor a file it names may leave; by default the file's own.
 
     Raises
     ------
@@ -52,13 +58,15 @@ def load_mesh_object(
     path = Path(path)
     check_mass(mass_kg)
     check_friction(friction)
-    mesh, notes = repair(read_triangles(path, scale))
+    mesh = read_triangles(path, scale, root)
     try:
+        mesh, notes = _worked_up(mesh)
         parts = convex_parts(mesh)
-        properties = mass_properties(mesh) if is_closed(mesh) and mesh.volume > 0.0 else combined(parts)
+        properties = mass_properties(mesh) if is_closed(mesh) and signed_volume_m3(mesh) > 0.0 else combined(parts)
         turn = resting_rotation(np.vstack([part.vertices for part in parts]), properties.centre_m, keep_upright)
-    except ValueError as error:
-        raise ValueError(f"{path}: {error}") from error
+    except (ValueError, RuntimeError) as error:  # qhull and the decomposition raise RuntimeError
+        reason = (str(error).strip() or "no reason given").splitlines()[0]
+        raise ValueError(f"{path}: {reason}") from error
     if len(mesh.faces) > VISUAL_FACES:
         notes = (*notes, f"picture reduced from {len(mesh.faces)} to {VISUAL_FACES} triangles")
     visual = reduced(mesh, VISUAL_FACES)
@@ -75,3 +83,12 @@ def load_mesh_object(
         ),
         notes=notes,
     )
+
+
+def _worked_up(mesh: trimesh.Trimesh) -> tuple[trimesh.Trimesh, tuple[str, ...]]:
+    """Return the mesh repaired, and first reduced if it is finer than anything here can see; and notes."""
+    if len(mesh.faces) <= WORKING_FACES:
+        return repair(mesh)
+    coarse = reduced(mesh, WORKING_FACES)
+    fixed, notes = repair(coarse)
+    return fixed, (f"reduced from {len(mesh.faces)} to {len(coarse.faces)} triangles", *notes)
