@@ -7,7 +7,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from softhand_sim.calibration import load_calibration
-from softhand_sim.grasp.protocol import LiftProtocol
+from softhand_sim.grasp.protocol import GraspProtocol
+from softhand_sim.grasp.protocol_file import load_protocol
 from softhand_sim.grasp.trial import TrialResult, TrialSetup, prepare, run_trial
 from softhand_sim.hand.scene import EngineSettings
 from softhand_sim.objects.model import ObjectModel
@@ -32,7 +33,7 @@ class BenchmarkPlan:
     trials: int
     seed: int = 0
     calibration: Path | None = None
-    protocol: LiftProtocol = field(default_factory=LiftProtocol)
+    protocol: GraspProtocol = field(default_factory=load_protocol)
     engine: EngineSettings = field(default_factory=EngineSettings)
 
     def __post_init__(self) -> None:

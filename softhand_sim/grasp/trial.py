@@ -1,18 +1,21 @@
-"""One grasp trial: approach, close, lift, hold, verdict."""
+"""One grasp trial: approach, close, the protocol's phases, verdict."""
 
 import time
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
 
+import mujoco
 import numpy as np
 
 from softhand_sim.calibration import FingerCalibration
-from softhand_sim.elements import ELEMENTS
+from softhand_sim.elements import ELEMENTS, FINGERS
 from softhand_sim.grasp.place import place_object
-from softhand_sim.grasp.protocol import LiftProtocol
+from softhand_sim.grasp.protocol import GraspProtocol
+from softhand_sim.grasp.protocol_file import load_protocol
 from softhand_sim.grasp.record import Recorder
 from softhand_sim.grasp.scripted import GraspPlan, plan_grasp
-from softhand_sim.grasp.verdict import Outcome, Thresholds, judge
+from softhand_sim.grasp.stage import Stage
+from softhand_sim.grasp.verdict import Figures, Outcome, judge
 from softhand_sim.hand.scene import EngineSettings, Scene, build_scene
 from softhand_sim.objects.mjcf import attach_object
 from softhand_sim.objects.model import ObjectModel
@@ -24,16 +27,49 @@ SAMPLE_S = 0.02
 
 @dataclass(frozen=True, kw_only=True)
 class TrialResult:
-    """Verdict of one trial and the figures it rests on (SI units; `peak_pressure_pa_gauge` per element)."""
+    """Verdict of one trial and the figures it rests on (SI units).
+
+    Attributes
+    ----------
+    object, protocol, seed, outcome: what was tried, and how it ended.
+    mass_kg, friction: of the object.
+    phases_run: phases of the protocol begun; fewer than it has if the object was not there for the rest.
+    lift_m: height of the object at the end over its rest on the table.
+    slip_m, tilt_rad: way and turn of the object in the palm's frame since the mark (the start of the lift if the
+        protocol has none), at the end; `worst_slip_m`, `worst_tilt_rad`: at their largest.
+    creep_m_per_s: steady drift in the last hold.
+    penetration_m: deepest contact of the object with anything in the whole trial; `hold_penetration_m`: with the hand,
+        during holds.
+    contacts, links: number of contacts of hand and object at the end, and the hand's bodies that touch.
+    force_n: mean normal force of each finger and the palm on the object in the last hold.
+    finger_contact_s, finger_penetration_m: time during which a finger touched another, and how deep.
+    engine_warnings: the engine's warnings by name, with their number; empty if none.
+    peak_pressure_pa_gauge: per element.
+    object_offset_m, object_offset_yaw_rad: displacement and turn of the object from where the hand expected it.
+    simulated_s, wall_s: duration in simulated and in real time.
+    """
 
     object: str
+    protocol: str
     seed: int
     outcome: Outcome
+    mass_kg: float
+    friction: float
+    phases_run: int
     lift_m: float
     slip_m: float
     tilt_rad: float
+    worst_slip_m: float
+    worst_tilt_rad: float
     creep_m_per_s: float
     penetration_m: float
+    hold_penetration_m: float
+    contacts: int
+    links: tuple[str, ...]
+    force_n: dict[str, float]
+    finger_contact_s: float
+    finger_penetration_m: float
+    engine_warnings: dict[str, int]
     peak_pressure_pa_gauge: dict[str, float]
     object_offset_m: tuple[float, float]
     object_offset_yaw_rad: float
@@ -49,25 +85,26 @@ class TrialSetup:
     calibration: FingerCalibration
     scene: Scene
     plan: GraspPlan
-    protocol: LiftProtocol = field(default_factory=LiftProtocol)
-    thresholds: Thresholds = field(default_factory=Thresholds)
+    protocol: GraspProtocol
 
 
 def prepare(
     model: ObjectModel,
     calibration: FingerCalibration,
     *,
-    protocol: LiftProtocol | None = None,
+    protocol: GraspProtocol | None = None,
     engine: EngineSettings | None = None,
 ) -> TrialSetup:
-    """Build the scene of an object and choose its grasp."""
+    """Build the scene of an object and choose its grasp; by default for the paper's protocol."""
+    protocol = protocol or load_protocol()
+    model = model.with_overrides(mass_kg=protocol.mass_kg, friction=protocol.friction)
     scene = build_scene(calibration, engine=engine, add_object=lambda root: attach_object(root, model))
     return TrialSetup(
         model=model,
         calibration=calibration,
         scene=scene,
         plan=plan_grasp(model),
-        protocol=protocol or LiftProtocol(),
+        protocol=protocol,
     )
 
 
@@ -82,95 +119,121 @@ def run_trial(setup: TrialSetup, seed: int, watch: Callable[[HandSimulation], No
     """
     started = time.perf_counter()
     rng = np.random.default_rng(seed)
-    offset = setup.protocol.draw_offset(rng)
+    offset = setup.protocol.draw_offset(rng, seed)
     simulation = HandSimulation(
         model=setup.scene.model, calibration=setup.calibration, pneumatics=default_pneumatics(setup.calibration)
     )
     simulation.reset(rng, setup.plan.standoff(setup.protocol.approach_m))
     place_object(simulation, setup.model.rest_height_m, offset)
-    recorder = Recorder.of(simulation, setup.model.rest_height_m)
-    for phase in _phases(setup, simulation, recorder):
-        while not phase():
-            _advance(simulation, recorder)
+    stage = Stage(
+        simulation=simulation,
+        recorder=Recorder.of(simulation, setup.model.rest_height_m),
+        mass_kg=setup.model.mass_kg,
+        settle_s=setup.protocol.settle_s,
+    )
+    phases_run = 0
+    for done, number in _commands(setup, stage):
+        phases_run = number
+        while not done():
+            _advance(stage)
             if watch is not None:
                 watch(simulation)
             if simulation.diverged:
                 break
         if simulation.diverged:
             break
-    return _result(setup, simulation, recorder, seed, offset, time.perf_counter() - started)
+    return _result(setup, stage, seed=seed, offset=offset, phases_run=phases_run, wall_s=time.perf_counter() - started)
 
 
-def _advance(simulation: HandSimulation, recorder: Recorder) -> None:
+def _advance(stage: Stage) -> None:
+    simulation = stage.simulation
     for _ in range(max(1, round(SAMPLE_S / simulation.dt))):
+        if stage.drive is not None:
+            stage.drive()
         simulation.step()
-    recorder.sample(simulation)
+    stage.recorder.sample(simulation)
 
 
-def _phases(setup: TrialSetup, simulation: HandSimulation, recorder: Recorder) -> Iterator[Callable[[], bool]]:
-    """Give each phase's command, then yield the question whether it is over."""
-    protocol, data = setup.protocol, simulation.data
-    grasp = setup.plan.standoff(0.0)
-
-    def until(end_s: float) -> Callable[[], bool]:
-        return lambda: bool(data.time >= end_s)
-
-    def arrived() -> bool:
-        return simulation.wrist_arrived
-
-    simulation.wrist_target = grasp
-    yield arrived
-    yield until(data.time + protocol.settle_s)
+def _commands(setup: TrialSetup, stage: Stage) -> Iterator[tuple[Callable[[], bool], int]]:
+    """Give each command, then yield the question whether it is over, and the number of the protocol's phase."""
+    simulation = stage.simulation
+    simulation.wrist_target = setup.plan.standoff(0.0)
+    yield stage.arrived, 0
+    yield stage.after(stage.settle_s), 0
     simulation.set_pressure_pa_gauge = np.array(
         [setup.calibration.closing_pressure(angle) for angle in setup.plan.set_angle_deg]
     )
-    yield until(data.time + protocol.close_s)
-    recorder.mark_lift_start(simulation)
-    simulation.wrist_target = grasp + np.array([0, 0, protocol.lift_m, 0, 0, 0])
-    yield arrived
-    yield until(data.time + protocol.settle_s)
-    end_s = data.time + protocol.hold_s
+    yield stage.after(setup.protocol.close_s), 0
+    stage.recorder.mark(simulation)
+    for number, phase in enumerate(setup.protocol.phases, start=1):
+        if phase.needs_object and not _in_hand(setup, stage):
+            return
+        for done in phase.run(stage):
+            yield done, number
 
-    def held() -> bool:
-        recorder.sample_hold(simulation)
-        return bool(data.time >= end_s)
 
-    yield held
+def _in_hand(setup: TrialSetup, stage: Stage) -> bool:
+    lifted = stage.recorder.lift_m(stage.simulation) >= setup.protocol.thresholds.lifted_m
+    return lifted and stage.recorder.touching(stage.simulation)[0] > 0
 
 
 def _result(
-    setup: TrialSetup,
-    simulation: HandSimulation,
-    recorder: Recorder,
-    seed: int,
-    offset: tuple[float, float, float],
-    wall_s: float,
+    setup: TrialSetup, stage: Stage, *, seed: int, offset: tuple[float, float, float], phases_run: int, wall_s: float
 ) -> TrialResult:
+    simulation, recorder, thresholds = stage.simulation, stage.recorder, setup.protocol.thresholds
     diverged = simulation.diverged
     slip, tilt = (0.0, 0.0) if diverged else recorder.slip_and_tilt(simulation)
     lift = 0.0 if diverged else recorder.lift_m(simulation)
+    creep = 0.0 if diverged else recorder.creep_m_per_s()
+    contacts, links = (0, ()) if diverged else recorder.touching(simulation)
     outcome = judge(
-        thresholds=setup.thresholds,
-        commanded_lift_m=setup.protocol.lift_m,
-        final_lift_m=lift,
-        highest_lift_m=recorder.highest_lift_m,
-        slip_m=slip,
-        tilt_rad=tilt,
-        diverged=diverged,
+        thresholds,
+        Figures(
+            commanded_lift_m=setup.protocol.lift_m,
+            final_lift_m=lift,
+            highest_lift_m=recorder.highest_lift_m,
+            slip_m=recorder.farthest_m if thresholds.at_any_time else slip,
+            tilt_rad=recorder.most_tilted_rad if thresholds.at_any_time else tilt,
+            creep_m_per_s=creep,
+            penetration_m=recorder.lifted_deepest_m,
+            in_hand=contacts > 0,
+            diverged=diverged,
+        ),
     )
-    peaks = zip(ELEMENTS, recorder.peak_pressure_pa_gauge, strict=True)
     return TrialResult(
         object=setup.model.name,
+        protocol=setup.protocol.name,
         seed=seed,
         outcome=outcome,
+        mass_kg=setup.model.mass_kg,
+        friction=setup.model.friction,
+        phases_run=phases_run,
         lift_m=lift,
         slip_m=slip,
         tilt_rad=tilt,
-        creep_m_per_s=0.0 if diverged else recorder.creep_m_per_s(),
+        worst_slip_m=recorder.farthest_m,
+        worst_tilt_rad=recorder.most_tilted_rad,
+        creep_m_per_s=creep,
         penetration_m=recorder.deepest_m,
-        peak_pressure_pa_gauge={name: float(value) for name, value in peaks},
+        hold_penetration_m=recorder.lifted_deepest_m,
+        contacts=contacts,
+        links=links,
+        force_n=_named((*FINGERS, "palm"), recorder.force_n()),
+        finger_contact_s=recorder.finger_contact_samples * SAMPLE_S,
+        finger_penetration_m=recorder.finger_deepest_m,
+        engine_warnings=_warnings(simulation.data),
+        peak_pressure_pa_gauge=_named(ELEMENTS, recorder.peak_pressure_pa_gauge),
         object_offset_m=offset[:2],
         object_offset_yaw_rad=offset[2],
         simulated_s=float(simulation.data.time),
         wall_s=wall_s,
     )
+
+
+def _named(names: Sequence[str], values: Iterable[float]) -> dict[str, float]:
+    return {name: float(value) for name, value in zip(names, values, strict=True)}
+
+
+def _warnings(data: mujoco.MjData) -> dict[str, int]:
+    kinds = [mujoco.mjtWarning(i) for i in range(int(mujoco.mjtWarning.mjNWARNING))]
+    return {kind.name: int(data.warning[kind].number) for kind in kinds if data.warning[kind].number}

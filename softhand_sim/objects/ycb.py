@@ -1,7 +1,7 @@
 """The YCB object set as downloaded: which meshes a folder holds, and what the catalogue knows of them.
 
 B. Calli et al., "Benchmarking in Manipulation Research: Using the Yale-CMU-Berkeley Object and Model Set", IEEE
-Robotics & Automation Magazine 22(3), 2015. One folder an object, such as ``013_apple``, with the scans in folders below.
+Robotics & Automation Magazine 22(3), 2015. One folder an object, such as ``013_apple``, with the scans below it.
 """
 
 import json
