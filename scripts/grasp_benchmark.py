@@ -4,6 +4,7 @@ import argparse
 import hashlib
 import sys
 from collections.abc import Callable, Sequence
+from contextlib import nullcontext
 from dataclasses import asdict
 from functools import partial
 from importlib.metadata import version
@@ -15,8 +16,10 @@ from tqdm import tqdm
 from assets import asset_path
 from scripts import _cli
 from softhand_sim.benchmark.pictures import draw
+from softhand_sim.benchmark.plan import BenchmarkPlan
 from softhand_sim.benchmark.report import conditions, summarise, table, trial_rows
-from softhand_sim.benchmark.runner import BenchmarkPlan, in_order, run_benchmark
+from softhand_sim.benchmark.runner import in_order, run_benchmark
+from softhand_sim.benchmark.store import TrialStore
 from softhand_sim.grasp.protocol_file import DEFAULT, load_protocol, protocol_names
 from softhand_sim.grasp.stage import Phase
 from softhand_sim.hand.scene import EngineSettings
@@ -33,6 +36,7 @@ EXAMPLES = """examples:
   grasp_benchmark.py --mesh scan.obj --mass 0.068 --trials 5    # any mesh, in metres
   grasp_benchmark.py --mesh scan.stl --scale 0.001 --mass 0.2   # in millimetres
   grasp_benchmark.py --ycb ycb/models --trials 5                # the YCB set as downloaded
+  grasp_benchmark.py --trials 100 --workers 2 --store out/run.sqlite   # killed? the same line goes on
   grasp_benchmark.py --protocol six_forces                      # or a TOML file of your own
 An object that cannot be loaded is set aside, the rest of the run goes on; the exit status is then 1.
 """
@@ -58,6 +62,9 @@ def parser() -> _cli.Parser:
     )
     p.add_argument("--trials", type=_cli.positive_int, default=20, help="trials per object (default 20)")
     p.add_argument("--workers", type=_cli.positive_int, default=1, help="processes side by side (default 1)")
+    p.add_argument(
+        "--store", type=Path, metavar="FILE", help="SQLite file that keeps each trial; a killed run goes on from there"
+    )
     p.add_argument("--timestep", type=_cli.positive_float, default=2.0, metavar="MS", help="in ms (default 2)")
     p.add_argument("--calibration", type=Path, help="finger calibration (default: the shipped one)")
     p.add_common(seed="seed of the first trial", json="write settings, summary and every trial to this file")
@@ -74,6 +81,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _job(argv: Sequence[str] | None) -> int:
     args = parser().parse_args(argv)
     _cli.check_writable(args.json)
+    _cli.check_writable(args.store, "--store")
     args.protocol = load_protocol(args.protocol)
     batch = load_all(_loaders(args))
     plan = BenchmarkPlan(
@@ -85,8 +93,9 @@ def _job(argv: Sequence[str] | None) -> int:
         protocol=args.protocol,
     )
     total = len(plan.objects) * plan.trials
-    running = run_benchmark(plan, args.workers)
-    results = in_order(plan, list(tqdm(running, total=total, desc="trials", unit="trial")))
+    with nullcontext() if args.store is None else TrialStore(args.store, plan) as store:
+        running = run_benchmark(plan, args.workers, store)
+        results = in_order(plan, list(tqdm(running, total=total, desc="trials", unit="trial")))
     summary = summarise(results)
     print(table(summary))
     print(conditions(plan.protocol))

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from softhand_sim.benchmark.runner import BenchmarkPlan, prepare_for
+from softhand_sim.benchmark.plan import BenchmarkPlan, prepare_for
 from softhand_sim.benchmark.sheet import sheet
 from softhand_sim.grasp.trial import TrialResult, run_trial
 from softhand_sim.render import Camera, Picture, around, save_png

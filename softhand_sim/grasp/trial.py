@@ -230,6 +230,38 @@ def _result(
     )
 
 
+def crashed(model: ObjectModel, protocol: GraspProtocol, seed: int) -> TrialResult:
+    """Return the record of a trial whose process died: nothing was measured, all figures are zero."""
+    return TrialResult(
+        object=model.name,
+        protocol=protocol.name,
+        seed=seed,
+        outcome=Outcome.CRASHED,
+        mass_kg=model.mass_kg if protocol.mass_kg is None else protocol.mass_kg,
+        friction=model.friction if protocol.friction is None else protocol.friction,
+        phases_run=0,
+        lift_m=0.0,
+        slip_m=0.0,
+        tilt_rad=0.0,
+        worst_slip_m=0.0,
+        worst_tilt_rad=0.0,
+        creep_m_per_s=0.0,
+        penetration_m=0.0,
+        hold_penetration_m=0.0,
+        contacts=0,
+        links=(),
+        force_n=dict.fromkeys((*FINGERS, "palm"), 0.0),
+        finger_contact_s=0.0,
+        finger_penetration_m=0.0,
+        engine_warnings={},
+        peak_pressure_pa_gauge=dict.fromkeys(ELEMENTS, 0.0),
+        object_offset_m=(0.0, 0.0),
+        object_offset_yaw_rad=0.0,
+        simulated_s=0.0,
+        wall_s=0.0,
+    )
+
+
 def _named(names: Sequence[str], values: Iterable[float]) -> dict[str, float]:
     return {name: float(value) for name, value in zip(names, values, strict=True)}
 

@@ -17,6 +17,7 @@ class Outcome(StrEnum):
     PENETRATED: still in the hand, but sunk into it deeper than allowed: the hold is the contact model's.
     DROPPED: it left the table with the hand and was lost before the end.
     MISSED: it never left the table.
+    CRASHED: the process that ran it died, twice.
     DIVERGED: the simulation became non-finite or the engine reported an instability.
     """
 
@@ -26,6 +27,7 @@ class Outcome(StrEnum):
     DROPPED = "DROPPED"
     MISSED = "MISSED"
     DIVERGED = "DIVERGED"
+    CRASHED = "CRASHED"
 
 
 @dataclass(frozen=True, kw_only=True)

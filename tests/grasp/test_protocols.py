@@ -8,13 +8,14 @@ import pytest
 from assets import asset_path
 from softhand_sim.grasp.phases.hold import Hold
 from softhand_sim.grasp.phases.lift import Lift
+from softhand_sim.grasp.phases.mark import Mark
 from softhand_sim.grasp.phases.push import Push
 from softhand_sim.grasp.phases.shake import Shake
 from softhand_sim.grasp.phases.turn import Turn
 from softhand_sim.grasp.protocol import Offsets
 from softhand_sim.grasp.protocol_file import load_protocol, protocol_names
 from softhand_sim.grasp.trial import prepare, run_trial
-from softhand_sim.grasp.verdict import Outcome
+from softhand_sim.grasp.verdict import Outcome, Thresholds
 from softhand_sim.objects.catalogue import make_object
 
 
@@ -171,6 +172,20 @@ def test_pushes_harder_than_the_grip_take_the_mug_away(calibration):
     lost = run_trial(prepare(mug, calibration, protocol=rough), 0)
     assert lost.outcome is Outcome.DROPPED
     assert lost.contacts == 0
+
+
+def test_slip_at_any_time_is_not_forgiven_by_coming_back(calibration):
+    protocol = with_phases(
+        Lift(height_m=0.1), Mark(), Push(y=1.0, acceleration_m_per_s2=4.0, duration_s=0.3), Hold(duration_s=0.5)
+    )
+    mug = make_object("mug")
+    seen = run_trial(prepare(mug, calibration, protocol=protocol), 0)
+    assert seen.worst_slip_m > 1.5 * seen.slip_m
+    between = Thresholds(slip_m=0.5 * (seen.slip_m + seen.worst_slip_m))
+    for at_any_time, outcome in ((False, Outcome.HELD), (True, Outcome.SLIPPED)):
+        limits = dataclasses.replace(between, at_any_time=at_any_time)
+        same = prepare(mug, calibration, protocol=dataclasses.replace(protocol, thresholds=limits))
+        assert run_trial(same, 0).outcome is outcome
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from softhand_sim.benchmark.runner import BenchmarkPlan, in_order, run_benchmark
+from softhand_sim.benchmark.plan import BenchmarkPlan
+from softhand_sim.benchmark.runner import in_order, run_benchmark
 from softhand_sim.control.onoff import OnOffController
 from softhand_sim.grasp.phases.hold import Hold
 from softhand_sim.grasp.phases.lift import Lift
