@@ -26,8 +26,7 @@ class Recorder:
     highest_lift_m: float = 0.0
     peak_pressure_pa_gauge: Vector = field(default_factory=lambda: np.zeros(3))
     reference: tuple[Vector, Vector] | None = None
-    farthest_m: float = 0.0
-    most_tilted_rad: float = 0.0
+    way: list[tuple[Vector, Vector]] = field(default_factory=list)
     hold_time_s: list[float] = field(default_factory=list)
     hold_position_m: list[Vector] = field(default_factory=list)
     hold_force_n: list[Vector] = field(default_factory=list)
@@ -63,8 +62,7 @@ class Recorder:
             out=self.peak_pressure_pa_gauge,
         )
         if self.reference is not None:
-            slip, tilt = self.slip_and_tilt(simulation)
-            self.farthest_m, self.most_tilted_rad = max(self.farthest_m, slip), max(self.most_tilted_rad, tilt)
+            self.way.append(simulation.in_palm_frame(self.object_body))
 
     def _sample_fingers(self, simulation: HandSimulation) -> None:
         crossing = self.contacts.of_fingers(simulation.data)
@@ -80,7 +78,7 @@ class Recorder:
     def mark(self, simulation: HandSimulation) -> None:
         """Take the object's present pose in the hand as what slip and tilt are measured from."""
         self.reference = simulation.in_palm_frame(self.object_body)
-        self.farthest_m = self.most_tilted_rad = 0.0
+        self.way = []
 
     def start_hold(self) -> None:
         """Forget the hold before: creep and forces are those of the last one."""
@@ -103,6 +101,14 @@ class Recorder:
         position, rotation = simulation.in_palm_frame(self.object_body)
         turn = Rotation.from_matrix(self.reference[1].T @ rotation).magnitude()
         return float(np.linalg.norm(position - self.reference[0])), float(turn)
+
+    def worst_slip_and_tilt(self) -> tuple[float, float]:
+        """Largest displacement (m) and turn (rad) of the object in the palm's frame since the mark."""
+        if self.reference is None or not self.way:
+            return 0.0, 0.0
+        positions, rotations = (np.array(part) for part in zip(*self.way, strict=True))
+        turns = Rotation.from_matrix(self.reference[1].T @ rotations).magnitude()
+        return float(np.linalg.norm(positions - self.reference[0], axis=1).max()), float(np.max(turns))
 
     def creep_m_per_s(self) -> float:
         """Drift (m/s) over the second half of the hold, when the fingers have come to rest."""

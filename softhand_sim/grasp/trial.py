@@ -183,6 +183,7 @@ def _result(
     simulation, recorder, thresholds = stage.simulation, stage.recorder, setup.protocol.thresholds
     diverged = simulation.diverged
     slip, tilt = (0.0, 0.0) if diverged else recorder.slip_and_tilt(simulation)
+    worst_slip, worst_tilt = (0.0, 0.0) if diverged else recorder.worst_slip_and_tilt()
     lift = 0.0 if diverged else recorder.lift_m(simulation)
     creep = 0.0 if diverged else recorder.creep_m_per_s()
     contacts, links = (0, ()) if diverged else recorder.touching(simulation)
@@ -192,8 +193,8 @@ def _result(
             commanded_lift_m=setup.protocol.lift_m,
             final_lift_m=lift,
             highest_lift_m=recorder.highest_lift_m,
-            slip_m=recorder.farthest_m if thresholds.at_any_time else slip,
-            tilt_rad=recorder.most_tilted_rad if thresholds.at_any_time else tilt,
+            slip_m=worst_slip if thresholds.at_any_time else slip,
+            tilt_rad=worst_tilt if thresholds.at_any_time else tilt,
             creep_m_per_s=creep,
             penetration_m=recorder.lifted_deepest_m,
             in_hand=contacts > 0,
@@ -211,8 +212,8 @@ def _result(
         lift_m=lift,
         slip_m=slip,
         tilt_rad=tilt,
-        worst_slip_m=recorder.farthest_m,
-        worst_tilt_rad=recorder.most_tilted_rad,
+        worst_slip_m=worst_slip,
+        worst_tilt_rad=worst_tilt,
         creep_m_per_s=creep,
         penetration_m=recorder.deepest_m,
         hold_penetration_m=recorder.lifted_deepest_m,

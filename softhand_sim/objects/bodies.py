@@ -13,6 +13,10 @@ TOUCHING_M = 0.003
 """Pieces nearer than this belong together; choice: less than a fingertip, more than the joints of an assembly."""
 CRUMB = 0.01
 """Pieces whose box has a diagonal below this share of the largest one's are dropped (choice: flying bits of a scan)."""
+MOST_SCRAPS = 5000
+"""Pieces together with crumbs (choice: each costs a pass over the triangles)."""
+MOST_PIECES = 50
+"""A surface of more pieces than this is no object but a heap of triangles (choice: an assembly of a pair of pliers)."""
 SAMPLES = 4000
 """Points on each piece; choice: 2 mm apart on a mug."""
 
@@ -28,9 +32,13 @@ def one_body(mesh: trimesh.Trimesh) -> tuple[trimesh.Trimesh, tuple[str, ...]]:
     count, label = _pieces(mesh)
     if count == 1:
         return mesh, ()
+    if count > MOST_SCRAPS:
+        raise ValueError(f"falls into {count} pieces, allowed {MOST_SCRAPS} with scraps")
     pieces = _split(mesh, count, label)
     sizes = np.array([np.linalg.norm(piece.extents) for piece in pieces])
     kept = [piece for piece, size in zip(pieces, sizes, strict=True) if size >= CRUMB * sizes.max()]
+    if len(kept) > MOST_PIECES:
+        raise ValueError(f"falls into {len(kept)} pieces, allowed {MOST_PIECES}")
     notes = [] if len(kept) == count else [f"{count - len(kept)} loose bits dropped"]
     inside = [_is_cavity(piece, kept) for piece in kept]
     outer = [piece for piece, cavity in zip(kept, inside, strict=True) if not cavity]

@@ -156,6 +156,23 @@ def test_buffer_of_a_gltf_outside_the_folder_is_refused(tmp_path):
     refused(path, "outside the folder")
 
 
+def test_a_heap_of_triangles_is_refused_at_once(tmp_path):
+    corners = np.random.default_rng(0).uniform(-0.04, 0.04, (900, 3))
+    heap = trimesh.Trimesh(corners, np.arange(900).reshape(-1, 3), process=False)
+    refused(saved(heap, tmp_path / "heap.ply"), "falls into 300 pieces, allowed 50")
+
+
+def test_a_decomposition_that_hangs_or_dies_costs_its_process_only(tmp_path, monkeypatch):
+    bar = trimesh.creation.box((0.09, 0.01, 0.01))
+    cross = together(bar, trimesh.creation.box((0.01, 0.09, 0.01)))
+    path = saved(cross, tmp_path / "cross.ply")
+    monkeypatch.setattr("softhand_sim.objects.decompose.LONGEST_S", 0.01)
+    refused(path, r"took longer than 0\.01 s")
+    monkeypatch.setattr("softhand_sim.objects.decompose.LONGEST_S", 600.0)
+    monkeypatch.setattr("softhand_sim.objects.decompose.sys.executable", "/bin/false")
+    refused(path, "failed \\(status 1: no reason given\\)")
+
+
 def test_random_bytes_are_refused_in_every_format(tmp_path):
     rng = np.random.default_rng(1)
     for ending in ("obj", "stl", "ply", "glb", "gltf", "off"):

@@ -187,7 +187,7 @@ def test_concave_mesh_is_split_and_cached(tmp_path, monkeypatch):
         raise AssertionError("decomposed again although cached")
 
     with monkeypatch.context() as patch:
-        patch.setattr("softhand_sim.objects.decompose.coacd.run_coacd", unreachable)
+        patch.setattr("softhand_sim.objects.decompose._run_coacd", unreachable)
         again = load_mesh_object(path, mass_kg=0.2)
         for a, b in zip(model.convex_parts, again.convex_parts, strict=True):
             assert a.vertices.tobytes() == b.vertices.tobytes()
