@@ -7,7 +7,8 @@ from PIL import Image
 
 from softhand_sim.benchmark.plan import BenchmarkPlan, prepare_for
 from softhand_sim.benchmark.sheet import sheet
-from softhand_sim.grasp.trial import TrialResult, run_trial
+from softhand_sim.grasp.result import TrialResult
+from softhand_sim.grasp.trial import run_trial
 from softhand_sim.render import Camera, Picture, around, save_png
 from softhand_sim.simulation import HandSimulation
 

@@ -10,11 +10,11 @@ from typing import Any
 from scipy.stats import binomtest
 
 from softhand_sim.grasp.protocol import GraspProtocol
-from softhand_sim.grasp.trial import TrialResult
+from softhand_sim.grasp.result import TrialResult
 from softhand_sim.grasp.verdict import Outcome
 
 HEADER = (
-    f"{'object':<18}{'trials':>7}{'held':>6}{'rate':>7}  {'95 % Wilson':<14}"
+    f"{'object':<22}{'trials':>7}{'held':>6}{'rate':>7}  {'95 % Wilson':<14}"
     f"{'slip mm':>8}{'creep um/s':>12}{'depth mm':>10}{'force N':>9}{'fingers':>9}  other outcomes"
 )
 
@@ -79,7 +79,7 @@ def _row(name: str, row: dict[str, Any]) -> str:
     interval = f"{row['wilson_low']:.2f} - {row['wilson_high']:.2f}"
     others = ", ".join(f"{k} {n}" for k, n in row["outcomes"].items() if n and k != Outcome.HELD)
     return (
-        f"{name:<18}{row['trials']:>7}{row['held']:>6}{row['success_rate']:>7.2f}  {interval:<14}"
+        f"{name:<22}{row['trials']:>7}{row['held']:>6}{row['success_rate']:>7.2f}  {interval:<14}"
         f"{scaled('held_median_slip_m', 1e3, 1):>8}{scaled('held_median_creep_m_per_s', 1e6, 0):>12}"
         f"{scaled('held_median_penetration_m', 1e3, 2):>10}{scaled('held_median_force_n', 1, 2):>9}"
         f"{row['finger_contact_share']:>9.2f}  {others}"

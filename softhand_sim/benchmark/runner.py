@@ -6,7 +6,8 @@ from softhand_sim.benchmark.plan import BenchmarkPlan, Shard, prepare_for
 from softhand_sim.benchmark.store import TrialStore
 from softhand_sim.benchmark.workers import run_shards
 from softhand_sim.calibration import load_calibration
-from softhand_sim.grasp.trial import TrialResult, run_trial
+from softhand_sim.grasp.result import TrialResult
+from softhand_sim.grasp.trial import run_trial
 
 
 def run_benchmark(plan: BenchmarkPlan, workers: int = 1, store: TrialStore | None = None) -> Iterator[TrialResult]:

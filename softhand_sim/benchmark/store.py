@@ -17,7 +17,7 @@ import numpy as np
 
 from assets import asset_path
 from softhand_sim.benchmark.plan import BenchmarkPlan
-from softhand_sim.grasp.trial import TrialResult
+from softhand_sim.grasp.result import TrialResult
 from softhand_sim.grasp.verdict import Outcome
 from softhand_sim.objects.model import ObjectModel
 

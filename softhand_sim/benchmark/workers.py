@@ -9,7 +9,8 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.context import SpawnProcess
 
 from softhand_sim.benchmark.plan import BenchmarkPlan, Shard, prepare_for
-from softhand_sim.grasp.trial import TrialResult, crashed, run_trial
+from softhand_sim.grasp.result import TrialResult, crashed
+from softhand_sim.grasp.trial import run_trial
 
 ATTEMPTS = 2
 """Times that a trial is tried whose worker dies; after that it is recorded as crashed."""

@@ -12,6 +12,9 @@ from softhand_sim.simulation import HandSimulation
 
 Vector = npt.NDArray[np.float64]
 
+SAMPLE_S = 0.02
+"""Time between samples of the record, and between questions whether a phase is over: the sensor's and controller's."""
+
 
 @dataclass(kw_only=True)
 class Stage:
