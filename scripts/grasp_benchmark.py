@@ -49,7 +49,9 @@ def parser() -> _cli.Parser:
     p.add_argument(
         "--mesh", type=Path, nargs="+", default=[], help="meshes of your own (OBJ, STL, PLY, GLB), in metres"
     )
-    p.add_argument("--ycb", type=Path, metavar="DIR", help="folder of the YCB set as downloaded; objects stand as scanned")
+    p.add_argument(
+        "--ycb", type=Path, metavar="DIR", help="folder of the YCB set as downloaded; objects stand as scanned"
+    )
     p.add_argument("--scale", type=_cli.positive_float, default=1.0, help="metres per unit of --mesh (default 1)")
     p.add_argument("--keep-upright", action="store_true", help="let --mesh stand as in its file (z up)")
     p.add_argument("--mass", type=_cli.positive_float, help="mass in kg; needed with --mesh, else an override")
