@@ -102,7 +102,8 @@ def _job(argv: Sequence[str] | None) -> int:
     print(table(summary))
     print(conditions(plan.protocol))
     for name, reason in batch.failures.items():
-        print(f"not tried: {name}: {reason}", file=sys.stderr)
+        # a mesh file's reason begins with its path already
+        print(f"not tried: {reason if reason.startswith(name) else f'{name}: {reason}'}", file=sys.stderr)
     if args.json is not None:
         notes = {model.name: list(model.notes) for model in plan.objects if model.notes}
         data = {"settings": _settings(args), "not_tried": dict(batch.failures), "notes": notes}
