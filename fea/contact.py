@@ -150,6 +150,10 @@ class SurfaceContact:
         """Return itself: its forces have an energy."""
         return self
 
+    def following(self, _u_m: F64, /) -> "SurfaceContact":
+        """Return itself: it finds its pairs anew in every state."""
+        return self
+
     def step_bound(self, u_m: F64, trial_m: F64) -> float:
         """Return the collision-free fraction of the straight way from u to the trial (additive CCD, Li et al. 2021)."""
         start, end = self._positions(u_m), self._positions(trial_m)

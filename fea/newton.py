@@ -165,7 +165,8 @@ class _Solve:
             if moved is None:
                 return Outcome(status=Status.STALLED, u_m=u, iterations=iteration + 1, residual=relative)
             u, energy = moved.u_m, moved.energy_j
-            carried = self.load if moved.share > _WHOLE else carried.towards(self.load, moved.share)
+            if carried is not self.load:
+                carried = self.load if moved.share > _WHOLE else carried.towards(self.load, moved.share)
         return Outcome(status=Status.STALLED, u_m=u, iterations=iteration, residual=relative)
 
     def _system(self, u: F64, state: Evaluation, tangent: sp.csr_array, *, settled: bool) -> tuple[F64, sp.csr_array]:

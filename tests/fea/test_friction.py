@@ -92,14 +92,14 @@ def test_friction_builds_up_over_the_length_and_is_remembered(pair):
     contact = begin(pair.contact, u)
     half = u + step
     assert share(contact, half) == pytest.approx(0.75, rel=0.01)  # f(1/2) = 2/2 - 1/4
-    assert share(contact.advanced(half), half) == pytest.approx(0.75, rel=0.01)
+    assert share(contact.following(half), half) == pytest.approx(0.75, rel=0.01)
     far = u + 10.0 * step
-    slid = contact.advanced(far)
+    slid = contact.following(far)
     np.testing.assert_allclose(np.linalg.norm(slid.elastic_slip_m(far), axis=1).max(), 0.5 * SLIP, rtol=1e-6)
     for back, expected in ((1.0, 0.75), (2.0, 0.0), (4.0, -1.0)):
         assert share(slid, far - back * step) == pytest.approx(expected, abs=0.02)
     apart = over(pair, (0.0, 0.0, 0.05e-3))
-    assert not contact.advanced(apart).elastic_slip_m(apart).any()
+    assert not contact.following(apart).elastic_slip_m(apart).any()
 
 
 def test_slip_adds_up_along_the_way_to_and_fro():
