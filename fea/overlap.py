@@ -15,6 +15,8 @@ from fea.triangle import RULE, shapes
 
 _SMALLEST = 1e-12
 """Choice: pieces below this share of a face are dropped; what they lack is below what the tests can see."""
+_ON_EDGE = 1e-9
+"""Barycentric coordinate down to which a point on an edge is covered."""
 _FACING = 0.2
 """Choice: cosine of the angle between normals from which faces look at one another; a surface's own folds do not."""
 
@@ -72,7 +74,7 @@ def _in_front(xi: F64, pair: I64, first: I64, seen: F64, height_m: F64) -> Bool:
     share = _barycentric(xi[point], seen[other])
     distance = np.abs((share * height_m[other]).sum(axis=1))
     own = other == pair[point]
-    nearer = (share.min(axis=1) > 0.0) & (distance < np.repeat(distance[own], count) * (1.0 - 1e-9))
+    nearer = (share.min(axis=1) > -_ON_EDGE) & (distance < np.repeat(distance[own], count) * (1.0 - 1e-6))
     return np.bincount(point[nearer & ~own], minlength=len(xi)) == 0
 
 
@@ -119,8 +121,8 @@ def _clipped(polygon: F64) -> F64:
         crosses = (from_m > 0.0) != (to_m > 0.0)
         share = np.where(crosses, from_m / np.where(crosses, from_m - to_m, 1.0), 0.0)
         cut = start + share[..., None] * (end - start)
-        corners = np.stack([cut, end], axis=2).reshape(len(polygon), -1, 2)
-        kept = np.stack([crosses, to_m > 0.0], axis=2).reshape(len(polygon), -1)
+        corners = np.stack([cut, end], axis=2).reshape(len(polygon), 2 * polygon.shape[1], 2)
+        kept = np.stack([crosses, to_m > 0.0], axis=2).reshape(len(polygon), 2 * polygon.shape[1])
         polygon = _packed(corners, kept)
     return polygon
 

@@ -95,9 +95,7 @@ def _described(points_m: F64, faces_m: F64, eta: F64) -> Projection:
     off = on_edge & (gap > -_STEEP * distance) & (distance > 0.0)
     gap[off] = distance[off]
     normal[off] = away[off] / distance[off, None]
-    return Projection(
-        eta=eta, gap_m=gap, normal=normal, on_edge=on_edge, shape=shape, tangents=tangents, slope=slope
-    )
+    return Projection(eta=eta, gap_m=gap, normal=normal, on_edge=on_edge, shape=shape, tangents=tangents, slope=slope)
 
 
 def _foot(points_m: F64, faces_m: F64, eta: F64) -> F64:
@@ -123,27 +121,26 @@ def _foot(points_m: F64, faces_m: F64, eta: F64) -> F64:
 
 def _edge_foot(points_m: F64, faces_m: F64) -> F64:
     """Return the places [n, 2] on the edges of faces that are closest to points."""
-    corner = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
-    best, eta = np.full(len(points_m), np.inf), np.zeros((len(points_m), 2))
-    for i, j in EDGE_NODES:
-        way, t = corner[j] - corner[i], np.full(len(points_m), 0.5)
-        bend = np.einsum("kab,a,b,nki->ni", bends(faces_m.shape[1]), way, way, faces_m)
-        for _ in range(_ITERATIONS):
-            place = corner[i] + t[:, None] * way
-            tangent = np.einsum("nka,a,nki->ni", slopes(place, faces_m.shape[1]), way, faces_m)
-            away = points_m - _at(faces_m, place)
-            size = np.einsum("ni,ni->n", tangent, tangent)
-            curved = size - np.einsum("ni,ni->n", away, bend)
-            step = np.einsum("ni,ni->n", tangent, away) / np.where(curved > 0.1 * size, curved, size)
-            moved = np.clip(t + step, 0.0, 1.0)
-            t, still = moved, np.abs(moved - t).max(initial=0.0) < _EXACT
-            if still:
-                break
-        place = corner[i] + t[:, None] * way
-        distance = np.linalg.norm(points_m - _at(faces_m, place), axis=1)
-        eta[distance < best] = place[distance < best]
-        best = np.minimum(best, distance)
-    return eta
+    (i, j), corner = np.transpose(EDGE_NODES), np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+    start, end = faces_m[:, i], faces_m[:, j]
+    middle = faces_m[:, 3:] if faces_m.shape[1] == 6 else 0.5 * (start + end)
+    slope, bend = 4.0 * middle - 3.0 * start - end, 2.0 * (start + end) - 4.0 * middle  # x = start + slope t + bend t^2
+    t = np.full((len(points_m), 3), 0.5)
+    for _ in range(_ITERATIONS):
+        along = t[:, :, None]
+        tangent = slope + 2.0 * bend * along
+        away = points_m[:, None] - start - along * (slope + bend * along)
+        size = (tangent**2).sum(axis=2)
+        curved = size - 2.0 * (away * bend).sum(axis=2)
+        step = (tangent * away).sum(axis=2) / np.where(curved > 0.1 * size, curved, size)
+        t, before = np.clip(t + step, 0.0, 1.0), t
+        if np.abs(t - before).max(initial=0.0) < _EXACT:
+            break
+    along = t[:, :, None]
+    distance = np.linalg.norm(points_m[:, None] - start - along * (slope + bend * along), axis=2)
+    best = distance.argmin(axis=1)
+    share = np.take_along_axis(t, best[:, None], axis=1)
+    return np.asarray(corner[i[best]] + share * (corner[j] - corner[i])[best])
 
 
 def _at(faces_m: F64, eta: F64) -> F64:

@@ -10,13 +10,13 @@ other, and only what is within reach at the last cut is seen.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-import scipy.sparse as sp
 
 from fea.arrays import F64, I64
+from fea.blocks import upper_sum
 from fea.contact_interface import ContactState
 from fea.gap_law import GapLaw
 from fea.lattice import SolidMesh
@@ -24,6 +24,7 @@ from fea.overlap import Points, overlap
 from fea.projection import Projection, nearest, neighbours
 from fea.tangential import TangentialPairs
 from fea.triangle import bends, shapes, slopes
+
 
 @dataclass(frozen=True, kw_only=True)
 class SegmentOptions:
@@ -116,7 +117,7 @@ class SegmentContact:
         blocks = (stiffness[:, None] * gradient)[:, :, None] * gradient[:, None, :]
         if not project:
             blocks -= self._curvature(closed, u_m, self._pressure_pa(closed) * area)
-        return ContactState(force_n=self.force_n(u_m), hessian=self._upper(closed, blocks))
+        return ContactState(force_n=self.force_n(u_m), hessian=upper_sum(closed.nodes, blocks, len(u_m)))
 
     def force_n(self, u_m: F64) -> F64:
         """Return the forces alone [n_nodes, 3]."""
@@ -254,20 +255,6 @@ class SegmentContact:
         weight = np.where(found.on_edge, 0.0, weight)
         return np.asarray((both @ (weight[:, None, None] * middle)) @ np.swapaxes(both, 1, 2))
 
-    def _upper(self, closed: _Closed, blocks: F64) -> sp.csr_array:
-        """Return the upper triangle of the sum of blocks [n, 3 k, 3 k], those of the same two faces added first."""
-        size = self.points_m.size
-        if not len(blocks):
-            return sp.csr_array((size, size))
-        pair = self.points.first[closed.row] * len(self.second) + closed.face
-        order = np.argsort(pair, kind="stable")
-        starts = np.flatnonzero(np.diff(pair[order], prepend=-1))
-        summed = np.add.reduceat(blocks[order], starts, axis=0)
-        dofs = (3 * closed.nodes[order[starts]][:, :, None] + np.arange(3)).reshape(len(starts), -1)
-        row, column = np.broadcast_to(dofs[:, :, None], summed.shape), np.broadcast_to(dofs[:, None, :], summed.shape)
-        kept = row <= column
-        return sp.csr_array((summed[kept], (row[kept], column[kept])), shape=(size, size))
-
 
 def segment_contact(mesh: SolidMesh, first: I64, second: I64, options: SegmentOptions) -> SegmentContact:
     """Return the contact between two surfaces of a mesh, cut in the undeformed state.
@@ -282,9 +269,7 @@ def segment_contact(mesh: SolidMesh, first: I64, second: I64, options: SegmentOp
     return _cut(mesh.points_m, np.zeros_like(mesh.points_m), first, second, options, neighbours(second))
 
 
-def _cut(
-    points_m: F64, u_m: F64, first: I64, second: I64, options: SegmentOptions, around: I64
-) -> SegmentContact:
+def _cut(points_m: F64, u_m: F64, first: I64, second: I64, options: SegmentOptions, around: I64) -> SegmentContact:
     """Cut the faces at displacements u and find what each point faces."""
     x = points_m + u_m
     points = overlap(x[first[:, :3]], x[second[:, :3]], options.reach_m)

