@@ -48,7 +48,7 @@ class FrictionalContact:
     pairs: TangentialPairs | None = None
 
     def evaluate(self, u_m: F64, *, project: bool = True) -> ContactState:
-        """Return forces and Hessian of barrier and friction.
+        """Return forces and Hessian of normal contact and friction.
 
         Newton's own tangent of friction is nothing where all slides: it takes the fewest iterations (2 where each
         pair's secant takes 7), and where it leads up the energy ``project`` gives the secant instead.
@@ -59,7 +59,7 @@ class FrictionalContact:
         return ContactState(force_n=normal.force_n + pairs.force_n(slip), hessian=sp.csr_array(hessian))
 
     def force_n(self, u_m: F64) -> F64:
-        """Return the forces of barrier and friction [n_nodes, 3]."""
+        """Return the forces of normal contact and friction [n_nodes, 3]."""
         return self.surfaces.force_n(u_m) + self.friction_force_n(u_m)
 
     def energy(self, u_m: F64) -> float:

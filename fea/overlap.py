@@ -75,7 +75,7 @@ def _in_front(xi: F64, pair: I64, first: I64, seen: F64, height_m: F64) -> Bool:
     distance = np.abs((share * height_m[other]).sum(axis=1))
     own = other == pair[point]
     nearer = (share.min(axis=1) > -_ON_EDGE) & (distance < np.repeat(distance[own], count) * (1.0 - 1e-6))
-    return np.bincount(point[nearer & ~own], minlength=len(xi)) == 0
+    return np.asarray(np.bincount(point[nearer & ~own], minlength=len(xi)) == 0)
 
 
 def _barycentric(xi: F64, triangle: F64) -> F64:
@@ -111,18 +111,14 @@ def _seen_from(face_m: F64, other_m: F64) -> tuple[F64, F64]:
 
 def _clipped(polygon: F64) -> F64:
     """Return polygons [k, m, 2] cut by the unit triangle (Sutherland & Hodgman 1974); spare corners repeat the last."""
-    for side in (
-        lambda p: p[..., 0],
-        lambda p: p[..., 1],
-        lambda p: 1.0 - p[..., 0] - p[..., 1],
-    ):
+    for normal, offset in ((np.array([1.0, 0.0]), 0.0), (np.array([0.0, 1.0]), 0.0), (np.array([-1.0, -1.0]), 1.0)):
         start, end = polygon, np.roll(polygon, -1, axis=1)
-        from_m, to_m = side(start), side(end)
-        crosses = (from_m > 0.0) != (to_m > 0.0)
-        share = np.where(crosses, from_m / np.where(crosses, from_m - to_m, 1.0), 0.0)
+        here, there = start @ normal + offset, end @ normal + offset
+        crosses = (here > 0.0) != (there > 0.0)
+        share = np.where(crosses, here / np.where(crosses, here - there, 1.0), 0.0)
         cut = start + share[..., None] * (end - start)
         corners = np.stack([cut, end], axis=2).reshape(len(polygon), 2 * polygon.shape[1], 2)
-        kept = np.stack([crosses, to_m > 0.0], axis=2).reshape(len(polygon), 2 * polygon.shape[1])
+        kept = np.stack([crosses, there > 0.0], axis=2).reshape(len(polygon), 2 * polygon.shape[1])
         polygon = _packed(corners, kept)
     return polygon
 

@@ -5,8 +5,8 @@ rounding (the contact patch test), and a point's gap is the distance to the curv
 forces and their tangent follow from one energy, the integral of the law over the undeformed first surface at fixed
 points; :meth:`SegmentContact.following` cuts the faces anew, once a load step.
 
-Unlike the barrier (:mod:`fea.contact`) it knows no edges: a ridge of the one surface may pass between the points of the
-other, and only what is within reach at the last cut is seen.
+Unlike the barrier (:mod:`fea.contact`) it integrates over one surface only, so a ridge of the other may pass between
+the points, surfaces overlap a little, and only what is within reach at the last cut is seen.
 """
 
 from collections.abc import Callable

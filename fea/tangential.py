@@ -1,8 +1,8 @@
 """Pairs of facets that rub: Coulomb's law with a smooth beginning, for all pairs at once.
 
-The normal forces and tangent planes come from :class:`fea.contact.SurfaceContact`; they are constants here. ipctk has
-the same forces, which the tests compare; here the tangent of each pair can also be its secant, and the mean slip of a
-node is at hand.
+The normal forces and tangent planes come from the contact of two surfaces; they are constants here. ipctk has the same
+forces for its own pairs, which the tests compare; here the tangent of each pair can also be its secant, and the mean
+slip of a node is at hand.
 """
 
 from dataclasses import dataclass

@@ -16,8 +16,8 @@ from fea.verification.contact_blocks import Block, block_pair, drive, settings
 
 SHEAR_MODULUS_PA, PRESS_M, BEFORE_M, TRAVEL_M = 3.3e5, 3e-5, 2e-5, 4e-4
 _CONTACT = {"segments": (0.05e-3, 1e7), "barrier": (0.2e-3, 1e6)}
-"""Choices: distance [m] and stiffness [Pa] of the contact. The pressure is higher where the block leads, so a soft layer
-tilts it: with 0.2 mm and 1 MPa the sliding block's friction is 2 % low at mu 0.1."""
+"""Choices: distance [m] and stiffness [Pa]. The pressure is higher where the block leads, so a soft layer tilts it:
+segments of 0.2 mm and 1 MPa give 2 % less than mu 0.1."""
 _COUNTED_FROM = 0.85
 """Choice: the end of each way is gross sliding for every coefficient used here."""
 
