@@ -11,15 +11,15 @@ from fea.arrays import F64
 class GapLaw(Protocol):
     """Energy per undeformed area and its first two derivatives by the gap."""
 
-    def energy_j_per_m2(self, gap_m: F64, rest_m: F64, /) -> F64:
-        """Return the energy at gaps [n] of points whose gap in the undeformed state was ``rest_m`` [n]."""
+    def energy_j_per_m2(self, gap_m: F64, /) -> F64:
+        """Return the energy at gaps [n]."""
         ...
 
-    def pressure_pa(self, gap_m: F64, rest_m: F64, /) -> F64:
+    def pressure_pa(self, gap_m: F64, /) -> F64:
         """Return minus its slope: positive where the surfaces push each other apart."""
         ...
 
-    def stiffness_pa_per_m(self, gap_m: F64, rest_m: F64, /) -> F64:
+    def stiffness_pa_per_m(self, gap_m: F64, /) -> F64:
         """Return its second derivative, never negative."""
         ...
 
@@ -37,15 +37,15 @@ class Unilateral:
     def __post_init__(self) -> None:
         _check(self)
 
-    def energy_j_per_m2(self, gap_m: F64, _rest_m: F64, /) -> F64:
+    def energy_j_per_m2(self, gap_m: F64, /) -> F64:
         """Return K d / 3 ((d - g) / d)^3."""
         return np.asarray(self.stiffness_pa * self.distance_m / 3.0 * self._closed(gap_m) ** 3)
 
-    def pressure_pa(self, gap_m: F64, _rest_m: F64, /) -> F64:
+    def pressure_pa(self, gap_m: F64, /) -> F64:
         """Return the pressure [n]."""
         return np.asarray(self.stiffness_pa * self._closed(gap_m) ** 2)
 
-    def stiffness_pa_per_m(self, gap_m: F64, _rest_m: F64, /) -> F64:
+    def stiffness_pa_per_m(self, gap_m: F64, /) -> F64:
         """Return 2 K / d (d - g) / d."""
         return np.asarray(2.0 * self.stiffness_pa / self.distance_m * self._closed(gap_m))
 
@@ -55,23 +55,27 @@ class Unilateral:
 
 @dataclass(frozen=True, kw_only=True)
 class NoSeparation:
-    """Surfaces that slide and keep their distance: p = K (g0 - g) / d, pushing and pulling."""
+    """Surfaces that slide and keep their distance: p = K (g0 - g) / d, pushing and pulling.
+
+    ``gap_m`` is g0, their clearance.
+    """
 
     stiffness_pa: float
     distance_m: float
+    gap_m: float
 
     def __post_init__(self) -> None:
         _check(self)
 
-    def energy_j_per_m2(self, gap_m: F64, rest_m: F64, /) -> F64:
+    def energy_j_per_m2(self, gap_m: F64, /) -> F64:
         """Return K / (2 d) (g0 - g)^2."""
-        return np.asarray(0.5 * self.stiffness_pa / self.distance_m * (rest_m - gap_m) ** 2)
+        return np.asarray(0.5 * self.stiffness_pa / self.distance_m * (self.gap_m - gap_m) ** 2)
 
-    def pressure_pa(self, gap_m: F64, rest_m: F64, /) -> F64:
+    def pressure_pa(self, gap_m: F64, /) -> F64:
         """Return the pressure [n], negative where the surfaces are held together."""
-        return np.asarray(self.stiffness_pa / self.distance_m * (rest_m - gap_m))
+        return np.asarray(self.stiffness_pa / self.distance_m * (self.gap_m - gap_m))
 
-    def stiffness_pa_per_m(self, gap_m: F64, _rest_m: F64, /) -> F64:
+    def stiffness_pa_per_m(self, gap_m: F64, /) -> F64:
         """Return K / d."""
         return np.full_like(gap_m, self.stiffness_pa / self.distance_m)
 

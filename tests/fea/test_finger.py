@@ -204,14 +204,17 @@ def test_friction_alone_parts_the_branches(slim, materials):
 
 @pytest.mark.parametrize("pressure", [PRESSURE, 2.0 * PRESSURE])
 def test_the_whole_load_in_one_step_ends_where_small_steps_do(model, slim, pressure):
-    """The lower load was once too much: its linear step ran 30 times the load deep into the barrier."""
+    """The lower load was once too much: its linear step ran 30 times the load deep into the contact.
+
+    Faces are cut in other states on the two ways, hence 1e-4.
+    """
     fine = replace(OPTIONS, relative_tolerance=1e-6)
     steps = analyse_finger(model, slim, FingerPath((2e3, pressure)), options=fine)
     work, zero = workspace(model.solid), np.zeros_like(steps.u_m)
     once = solve_equilibrium(work, zero, Load(pressure_pa_gauge=pressure), fine, balanced=Load(), contact=model.contact)
     work.close()
     assert once.converged
-    np.testing.assert_allclose(once.u_m, steps.u_m, atol=1e-5 * np.abs(steps.u_m).max())
+    np.testing.assert_allclose(once.u_m, steps.u_m, atol=1e-4 * np.abs(steps.u_m).max())
 
 
 def test_tip_load_and_pressure_are_reciprocal(model, slim):

@@ -12,7 +12,7 @@ from fea.verification.contact_blocks import Block, block_pair, drive
 GAP, DISTANCE = 0.12e-3, 0.1e-3
 LAWS = {
     "unilateral": Unilateral(stiffness_pa=1e6, distance_m=DISTANCE),
-    "no separation": NoSeparation(stiffness_pa=1e6, distance_m=DISTANCE),
+    "no separation": NoSeparation(stiffness_pa=1e6, distance_m=DISTANCE, gap_m=GAP),
 }
 OPTIONS = SegmentOptions(law=LAWS["unilateral"], reach_m=0.5e-3)
 
@@ -114,6 +114,6 @@ def test_bad_settings_and_shared_nodes_are_refused():
         replace(OPTIONS, reach_m=-1.0)
     with pytest.raises(ValueError, match=r"friction = 3\.0"):
         replace(OPTIONS, friction=3.0)
-    for law in (Unilateral, NoSeparation):
+    for law in LAWS.values():
         with pytest.raises(ValueError, match=r"stiffness_pa = 0\.0"):
-            law(stiffness_pa=0.0, distance_m=1e-4)
+            replace(law, stiffness_pa=0.0)
