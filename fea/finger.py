@@ -12,9 +12,9 @@ from fea.cost import NO_COST, Cost
 from fea.exoskeleton import ExoskeletonMesh, exoskeleton_lattice, section_motions
 from fea.finger_path import FingerPath
 from fea.friction import Together, accumulated_slip_m
-from fea.gap_law import Unilateral
+from fea.gap_law import ByRegion, NoSeparation, Unilateral
 from fea.geometry import FingerGeometry
-from fea.lattice import VOID, Lattice, build_mesh, free_faces, symmetry_nodes
+from fea.lattice import VOID, Lattice, SolidMesh, build_mesh, free_faces, symmetry_nodes
 from fea.load import Load
 from fea.materials import Material
 from fea.meshes import linear_mesh
@@ -154,9 +154,13 @@ def finger_model(
     mesh: FingerMesh,
     *,
     contact: AnyOptions = CONTACT,
+    no_separation: bool = False,
     formulation: str = "P2",
 ) -> FingerModel:
     """Build the half model: both parts fixed on z = 0, end plate bonded to the cap, contact everywhere else.
+
+    With ``no_separation`` the actuator slides in the tube's sections without leaving their walls, as in six of the
+    paper's ten regions of contact; at the joints it may separate. Choice, as the paper's figure is not available.
 
     ``formulation`` is "P2", curved ten-node tetrahedra with one dilatation each, or "P1", linear ones over the same
     vertices, which lock when nearly incompressible and whose chords make walls and chamber smaller.
@@ -172,10 +176,32 @@ def finger_model(
     laws = {SILICONE: silicone.law, RING: pet.law, TPU: tpu.law}
     solid = SolidModel(mesh=body, laws=dict(laws), fixed=fixed, cavity=chamber_cavity(body, geometry))
     outer = free_faces(body, lambda c: np.isclose(c[..., 0], geometry.actuator_outer_radius_m, rtol=0.0, atol=1e-9))
+    tube = _tube_faces(solid, geometry)
     return FingerModel(
         solid=solid,
-        contact=surface_contact(body, outer, _tube_faces(solid, geometry), contact),
+        contact=surface_contact(
+            body, outer, tube, _with_regions(contact, body, tube, geometry) if no_separation else contact
+        ),
     )
+
+
+def _with_regions(options: AnyOptions, mesh: SolidMesh, tube: I64, geometry: FingerGeometry) -> SegmentOptions:
+    """Return settings under which the inner faces of the tube's sections hold the actuator at its clearance.
+
+    Raises
+    ------
+    ValueError
+        If the settings are not those of a contact over segments that may separate.
+    """
+    if not isinstance(options, SegmentOptions) or not isinstance(options.law, Unilateral):
+        raise ValueError(f"contact = {options}: regions need segments with a unilateral law")
+    law, g = options.law, geometry
+    r, _, z = np.moveaxis(mesh.cylindrical[tube], -1, 0)
+    inner = np.isclose(r, g.tube_inner_radius_m, rtol=0.0, atol=1e-9).all(axis=1)
+    middle = z.mean(axis=1)
+    in_gap = np.any([(middle > start) & (middle < start + g.gap_length_m) for start in g.gap_start_m], axis=0)
+    holds = NoSeparation(stiffness_pa=law.stiffness_pa, distance_m=law.distance_m, gap_m=g.clearance_m)
+    return replace(options, law=ByRegion(laws=(law, holds), region=(inner & ~in_gap).astype(np.int64)))
 
 
 def analyse_finger(

@@ -112,7 +112,7 @@ class SegmentContact:
         """Return forces and Hessian; positive semi-definite, without the gaps' curvature, where ``project``."""
         closed = self._closed(u_m)
         area, law = self._area_m2[closed.row], self.options.law
-        stiffness = area * law.stiffness_pa_per_m(closed.gap_m)
+        stiffness = area * law.stiffness_pa_per_m(closed.gap_m, closed.face)
         gradient = self._gradient(closed)
         blocks = (stiffness[:, None] * gradient)[:, :, None] * gradient[:, None, :]
         if not project:
@@ -130,7 +130,7 @@ class SegmentContact:
     def energy(self, u_m: F64) -> float:
         """Return the energy [J]."""
         closed = self._closed(u_m)
-        density = self.options.law.energy_j_per_m2(closed.gap_m)
+        density = self.options.law.energy_j_per_m2(closed.gap_m, closed.face)
         return float((self._area_m2[closed.row] * density).sum())
 
     def held(self, _u_m: F64, /) -> "SegmentContact":
@@ -209,14 +209,14 @@ class SegmentContact:
 
     def _find_closed(self, u_m: F64) -> _Closed:
         face, found = self._found(u_m)
-        row = np.flatnonzero(self.options.law.pressure_pa(found.gap_m) != 0.0)
+        row = np.flatnonzero(self.options.law.pressure_pa(found.gap_m, face) != 0.0)
         found = found.only(row)
         nodes = np.concatenate([self.first[self.points.first[row]], self.second[face[row]]], axis=1)
         share = np.concatenate([self._first_shape[row], -found.shape], axis=1)
         return _Closed(row=row, face=face[row], nodes=nodes, share=share, gap_m=found.gap_m, found=found)
 
     def _pressure_pa(self, closed: _Closed) -> F64:
-        return self.options.law.pressure_pa(closed.gap_m)
+        return self.options.law.pressure_pa(closed.gap_m, closed.face)
 
     def _gradient(self, closed: _Closed) -> F64:
         """Return the derivatives of the gaps by the nodes [n, 3 k]."""

@@ -6,6 +6,7 @@ import scipy.sparse as sp
 
 from fea.actuator import ActuatorMesh, actuator_model
 from fea.assembly import element_forces
+from fea.contact import ContactOptions
 from fea.contact_interface import ContactState
 from fea.exoskeleton import ExoskeletonMesh
 from fea.finger import CONTACT, OPTIONS, TPU, FingerMesh, analyse_finger, finger_lattices, finger_model
@@ -77,6 +78,26 @@ def test_moment_of_the_thrust_bends_the_flexure(model, slim, result, exoskeleton
     flexure = (exoskeleton.moment_n_m[0, :2] / exoskeleton.angle_rad[0, :2]).mean()
     # the thrust's tension and the actuator inside keep the curved strip from flattening: stiffer than on its own
     assert flexure < moment / result.joint_angle_rad[-1, 1] < 1.6 * flexure
+
+
+def test_regions_without_separation_hold_the_actuator_in_the_sections_alone(slim, materials, model, result):
+    m = materials
+    held = finger_model(slim, m.silicone, m.pet, m.tpu, MESH, contact=SMOOTH, no_separation=True)
+    u = analyse_finger(held, slim, FingerPath((2e3, PRESSURE)))
+    assert u.status is Status.CONVERGED
+    region = held.contact.options.law.region
+
+    def farthest(model, u_m, in_section):
+        contact = model.contact.following(u_m)
+        chosen = region[contact.face] == in_section
+        return contact.gaps_m(u_m)[chosen].max()
+
+    assert farthest(held, u.u_m, 1) < 1.2 * slim.clearance_m
+    assert farthest(model, result.u_m, 1) > 1.5 * slim.clearance_m
+    assert farthest(held, u.u_m, 0) > 1.5 * slim.clearance_m
+    assert u.tip_angle_rad[-1] == pytest.approx(result.tip_angle_rad[-1], rel=0.1)
+    with pytest.raises(ValueError, match="regions need segments"):
+        finger_model(slim, m.silicone, m.pet, m.tpu, MESH, contact=ContactOptions(), no_separation=True)
 
 
 @pytest.fixture(scope="module")
