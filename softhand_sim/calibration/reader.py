@@ -18,11 +18,12 @@ from softhand_sim.calibration.parts import (
     ChamberCalibration,
     FingerBody,
     JointCalibration,
+    SlidingCalibration,
     TendonCalibration,
 )
 
 SCHEMA = "softhand-sim/finger-calibration"
-SCHEMA_VERSION = 2
+SCHEMA_VERSION = 3
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -32,6 +33,7 @@ class FingerCalibration:
     joints: tuple[JointCalibration, ...]
     tendon: TendonCalibration
     chamber: ChamberCalibration
+    sliding: SlidingCalibration
     finger: FingerBody
     curve: CalibrationCurve
     geometry: Mapping[str, Any]
@@ -41,8 +43,9 @@ class FingerCalibration:
         names = tuple(joint.name for joint in self.joints)
         if names != JOINTS:
             raise ValueError(f"joints = {list(names)}: must be {list(JOINTS)}, in this order")
-        bent = np.radians(self.curve.joint_angle_deg) @ np.array([joint.offset_m for joint in self.joints])
-        for elongation in (0.0, *bent.tolist()):
+        proximal, middle, distal = np.radians(self.curve.joint_angle_deg).T.tolist()
+        bent = [self.elongation_m(row) for row in zip(proximal, middle, distal, strict=True)]
+        for elongation in (0.0, *bent):
             if not self.chamber.area_m2_at(elongation) > 0.0:
                 area = self.chamber.area_m2_at(elongation)
                 raise ValueError(
@@ -56,8 +59,8 @@ class FingerCalibration:
                 )
 
     def elongation_m(self, joint_angle_rad: tuple[float, float, float]) -> float:
-        """Return the tendon's elongation ``sum r_i theta_i`` [m] at the joint angles [rad], (3,)."""
-        return math.fsum(joint.offset_m * angle for joint, angle in zip(self.joints, joint_angle_rad, strict=True))
+        """Return the tendon's elongation [m] at the joint angles [rad], (3,)."""
+        return math.fsum(joint.elongation_m_at(q) for joint, q in zip(self.joints, joint_angle_rad, strict=True))
 
     def pressure_for_angle(self, angle_deg: float) -> float:
         """Return the pressure [Pa gauge] at which the tip angle is ``angle_deg``, linear between points.
@@ -112,7 +115,7 @@ def load_calibration(path: Path | None = None) -> FingerCalibration:
     joints = root.objects("joints", len(JOINTS))
     curve = root.object("curve")
     finger = root.object("finger")
-    known = {"schema", "schema_version", "joints", "tendon", "chamber", "finger", "curve", "geometry"}
+    known = {"schema", "schema_version", "joints", "tendon", "chamber", "sliding", "finger", "curve", "geometry"}
     for name in ("targets_used", "fit_rmse", "provenance"):
         root.object(name)
     with root.naming_file():
@@ -120,6 +123,7 @@ def load_calibration(path: Path | None = None) -> FingerCalibration:
             joints=tuple(_build_joint(joint) for joint in joints),
             tendon=root.object("tendon").build(TendonCalibration),
             chamber=root.object("chamber").build(ChamberCalibration),
+            sliding=root.object("sliding").build(SlidingCalibration),
             finger=_build_body(finger),
             curve=_build_curve(curve),
             geometry=MappingProxyType(root.object("geometry").raw),

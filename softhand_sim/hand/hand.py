@@ -80,6 +80,8 @@ def _add_defaults(root: mjcf.RootElement, contact: ContactSettings) -> None:
     pad.geom.set_attributes(**common, condim=contact.condim, mass=0, rgba=(0.85, 0.82, 0.75, 1), group=1)
     tube = root.default.add("default", dclass="tube")
     tube.geom.set_attributes(**common, condim=contact.condim, rgba=(0.16, 0.17, 0.19, 1), group=1)
+    tendon = root.default.add("default", dclass="tendon")
+    tendon.site.set_attributes(size=(0.0005,), group=4)
     palm = root.default.add("default", dclass="palm")
     palm.geom.set_attributes(**common, condim=3, rgba=(0.24, 0.26, 0.30, 1), group=1)
 
