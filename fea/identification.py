@@ -29,9 +29,9 @@ LEAST_SLOPE_PER_RAD = 0.5 * tan(0.75)
 """Choice: least slope of the arm for its length: the points of its line (:class:`fea.surrogate.Arm`) meet at an angle
 of 1.5 rad then, beyond where the engine stops the joints (1.4 rad)."""
 GAP_BULGING = 1.07
-"""Choice: bulging of the wall in the finger, where it also bulges into the joints' gaps, for that of the actuator alone.
-Volume without work: the larger it is, the smaller the arm. 1.07 gives the deflections of the default finger under tip
-loads of 0.02 to 0.15 N at 45 kPa within 5 %, 1 within 9 %; no other loaded state was looked at for it."""
+"""Choice: bulging of the wall in the finger, where it also bulges into the joints' gaps, for that of the actuator
+alone. Volume without work: the larger it is, the smaller the arm. Of 1.05, 1.07 and 1.1 it follows the default finger
+best under tip loads of 0.02 to 0.2 N at 45 kPa (within 5 %; 1 within 9 %)."""
 _TYPICAL_SLIDING = np.array([0.015, 60.0])
 _SOFTEST = 0.1
 """Choice: least share of the largest stiffness that weighs an error."""
@@ -196,9 +196,9 @@ def finger_lengthening(actuator: ActuatorResult, chamber: Chamber, finger: State
     """Lengthening of the actuator in the complete finger, from its chamber's volume [m], (n,).
 
     V = V(delta) + p C(delta): the second part is the bulging between the rings, which does no work on the finger. C is
-    linear in delta here, ``GAP_BULGING`` times that of analysis (i); the chamber's law keeps one number. What the flexure's stretch and the
-    actuator's lift out of the gaps add to the lengthening is in the volume, while the sections of the tube do not show
-    it.
+    linear in delta here, ``GAP_BULGING`` times that of analysis (i); the chamber's law keeps one number. What the
+    flexure's stretch and the actuator's lift out of the gaps add to the lengthening is in the volume, while the
+    sections of the tube do not show it.
 
     Raises
     ------

@@ -95,7 +95,7 @@ class HandSimulation:
         self.wrist_reference = np.array(wrist_pose, dtype=np.float64)
         self.wrist_target = self.wrist_reference.copy()
         self.set_pressure_pa_gauge = np.zeros(3)
-        self.slip_m = self.index.elongations_m(self.data)
+        self.slip_m = self.elongations_m()
         self.gas: PneumaticState = self.pneumatics.reset(self.chamber_volumes_m3(), rng)
 
     def step(self) -> None:
@@ -112,14 +112,19 @@ class HandSimulation:
         pressure = np.asarray(self.pneumatics.finger_pressures_pa_gauge(self.gas))
         ctrl[self.index.pressure_ctrl] = pressure
         if self.sliding is not None:
-            bend = np.abs(self.data.qpos[self.index.joint_qpos]).sum(axis=1)
-            elongation = self.index.elongations_m(self.data)
-            self.slip_m, ctrl[self.index.sliding_ctrl] = self.sliding.step(self.slip_m, elongation, bend, pressure)
+            angle = self.data.qpos[self.index.joint_qpos]
+            self.slip_m, ctrl[self.index.sliding_ctrl] = self.sliding.step(
+                self.slip_m, self.elongations_m(), np.abs(angle).sum(axis=1), pressure
+            )
         mujoco.mj_step(self.model, self.data)
 
+    def elongations_m(self) -> Vector:
+        """Elongation of each finger's actuator at the present joint angles, shape (5,)."""
+        return self.calibration.elongations_m(self.data.qpos[self.index.joint_qpos])
+
     def chamber_volumes_m3(self) -> Vector:
-        """Volume of each finger's chamber without bulging, shape (5,): V(delta) at the tendon's present length."""
-        delta = self.index.elongations_m(self.data)
+        """Volume of each finger's chamber without bulging, shape (5,): V(delta) at the present joint angles."""
+        delta = self.elongations_m()
         chamber = self.calibration.chamber
         return np.asarray(chamber.volume_m3 + delta * (chamber.area_m2 + 0.5 * chamber.area_slope_m * delta))
 

@@ -1,5 +1,6 @@
 """The finger calibration: the file through which the finite-element lab speaks to the runtime."""
 
+from softhand_sim.calibration.evidence import FingerEvidence, load_evidence
 from softhand_sim.calibration.parts import JOINT_RANGE_RAD, JOINTS, ChamberCalibration, SlidingCalibration
 from softhand_sim.calibration.reader import FingerCalibration, load_calibration
 
@@ -8,6 +9,8 @@ __all__ = [
     "JOINT_RANGE_RAD",
     "ChamberCalibration",
     "FingerCalibration",
+    "FingerEvidence",
     "SlidingCalibration",
     "load_calibration",
+    "load_evidence",
 ]

@@ -12,6 +12,9 @@ from softhand_sim.checks import require_finite
 JOINTS: tuple[str, ...] = ("proximal", "middle", "distal")
 """Joints of a finger, from its base."""
 
+BRANCHES = ("loading", "unloading")
+"""Branches of a pressure cycle."""
+
 JOINT_RANGE_RAD = (-0.35, 1.4)
 """Choice: just above what the calibrated curve holds, so that ctrl never asks for an extrapolation."""
 
@@ -188,3 +191,48 @@ class CalibrationCurve:
                 f"tip_angle_deg[{k}] = {self.tip_angle_deg[k]:g}: must be the sum of the joint angles, "
                 f"{self.joint_angle_deg[k].sum():g}"
             )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FingerCycle:
+    """The finite-element finger under pressure up and down: rows (n,), joint angles (n, 3), the unloaded state first.
+
+    ``fitted`` says which rows the identification saw, (n,); None where it is not known.
+    """
+
+    branch: tuple[str, ...]
+    pressure_pa_gauge: npt.NDArray[np.float64]
+    joint_angle_rad: npt.NDArray[np.float64]
+    chamber_volume_m3: npt.NDArray[np.float64]
+    fitted: tuple[bool, ...] | None = None
+
+    def __post_init__(self) -> None:
+        rows = len(self.pressure_pa_gauge)
+        for name in ("branch", "joint_angle_rad", "chamber_volume_m3", "fitted"):
+            column = getattr(self, name)
+            if column is not None and len(column) != rows:
+                raise ValueError(f"{name} has {len(column)} rows: must have {rows}")
+        unknown = sorted(set(self.branch) - set(BRANCHES))
+        if unknown:
+            raise ValueError(f"branch = {unknown[0]!r}: must be one of {list(BRANCHES)}")
+        up = self.loading
+        if not up[: up.sum()].all() or up.sum() < 2 or (np.diff(self.pressure_pa_gauge[up]) <= 0.0).any():
+            raise ValueError("pressure_pa_gauge: must rise over the loading rows, which come first")
+        if (np.diff(self.pressure_pa_gauge[up.sum() - 1 :]) >= 0.0).any():
+            raise ValueError("pressure_pa_gauge: must fall over the unloading rows")
+
+    @property
+    def loading(self) -> npt.NDArray[np.bool_]:
+        """Rows on the way up, (n,)."""
+        return np.array([branch == "loading" for branch in self.branch])
+
+    @property
+    def unseen(self) -> npt.NDArray[np.bool_]:
+        """Loaded rows on the way up that the identification did not see, (n,); all of them where it is not known."""
+        seen = np.zeros(len(self.branch), dtype=bool) if self.fitted is None else np.array(self.fitted)
+        return np.asarray(self.loading & ~seen & (self.pressure_pa_gauge > 0.0))
+
+    @property
+    def tip_angle_deg(self) -> npt.NDArray[np.float64]:
+        """Sum of the joint angles [deg], (n,)."""
+        return np.asarray(np.degrees(self.joint_angle_rad.sum(axis=1)))

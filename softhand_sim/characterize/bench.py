@@ -81,7 +81,7 @@ class Bench:
 
     @property
     def elongation_m(self) -> float:
-        """Elongation of the actuator at the step's start [m]."""
+        """Elongation of the actuator at the start of the last step [m], where its forces act as well."""
         return float(self.model.tendon_length0[self.tendon] - self.data.ten_length[self.tendon])
 
     @property
@@ -104,9 +104,9 @@ class Bench:
         data = self.data
         data.ctrl[self._pressure_ctrl] = pressure_pa_gauge
         if self.sliding is not None:
-            bend = np.abs(data.qpos[self.qpos]).sum(keepdims=True)
-            elongation, pressure = np.array([self.elongation_m]), np.array([pressure_pa_gauge])
-            self._slip, force = self.sliding.step(self._slip, elongation, bend, pressure)
+            angle = data.qpos[self.qpos][None]
+            elongation, bend = self.calibration.elongations_m(angle), np.abs(angle).sum(axis=1)
+            self._slip, force = self.sliding.step(self._slip, elongation, bend, np.array([pressure_pa_gauge]))
             data.ctrl[self._sliding_ctrl] = force[0]
         if tip_load_n or self._load:
             data.qfrc_applied[:] = 0.0
