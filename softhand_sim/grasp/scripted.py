@@ -130,7 +130,7 @@ def _from_the_side(seen: Outline) -> GraspPlan:
 
 # choice: middle of the opening between thumb and fingers at 40 mm from the palm
 SIDE_OFFSET_M = -0.005
-# choice: the palm pushes the object 10 mm along the table, so that one which stands 10 mm too far still meets it: fingers
-# that close on an object away from the palm squeeze it out. Decided on the mug, with 20 trials each: a gap of 4 mm holds
-# 10, -4 mm 13, -8 mm 15, -10 mm 18
+# choice: the palm pushes the object 10 mm along the table, so that one which stands 10 mm too far still meets it:
+# fingers that close on an object away from the palm squeeze it out. Decided on the mug, of which 20 trials hold 10 with
+# a gap of 4 mm, 13 with -4 mm, 15 with -8 mm and 18 with -10 mm
 SIDE_GAP_M = -0.010
