@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softhand_sim.calibration import JOINTS, FingerCalibration
+from softhand_sim.calibration.limits import CalibratedRange, RangeWatch
 from softhand_sim.elements import FINGERS
 from softhand_sim.hand.anatomy import HandAnatomy
 from softhand_sim.hand.hand import WRIST
@@ -16,6 +17,8 @@ from softhand_sim.wrist import limited_step
 
 Vector = npt.NDArray[np.float64]
 
+RANGE_WATCH_S = 0.02
+"""Choice: how often range_watch looks, the sensors' period; every step would cost some per cent of a trial."""
 _INSTABILITY = (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC)
 
 
@@ -60,6 +63,7 @@ class HandSimulation:
     ----------
     wrist_target: x, y, z (m), yaw, pitch, roll (rad), shape (6,); approached at the wrist's limited speed.
     set_pressure_pa_gauge: wanted pressure per element (Pa), shape (3,).
+    range_watch: what went beyond the calibrated range since the reset; never silently extrapolated.
     """
 
     model: mujoco.MjModel
@@ -81,6 +85,8 @@ class HandSimulation:
         self.wrist_reference = np.array(wrist_pose, dtype=np.float64)
         self.wrist_target = self.wrist_reference.copy()
         self.set_pressure_pa_gauge = np.zeros(3)
+        self.range_watch = RangeWatch(limits=CalibratedRange.of(self.calibration))
+        self._next_look_s = 0.0
         self.gas: PneumaticState = self.pneumatics.reset(self.chamber_volumes_m3(), rng)
 
     def step(self) -> None:
@@ -94,8 +100,12 @@ class HandSimulation:
         self.gas = self.pneumatics.step(self.gas, self.chamber_volumes_m3(), self.set_pressure_pa_gauge, self.dt)
         ctrl = self.data.ctrl
         ctrl[self.index.wrist_ctrl] = self.wrist_reference
-        ctrl[self.index.pressure_ctrl] = self.pneumatics.finger_pressures_pa_gauge(self.gas)
+        pressure = self.pneumatics.finger_pressures_pa_gauge(self.gas)
+        ctrl[self.index.pressure_ctrl] = pressure
         mujoco.mj_step(self.model, self.data)
+        if self.data.time >= self._next_look_s:
+            self.range_watch.look(self.set_pressure_pa_gauge, pressure, self.data.qpos[self.index.joint_qpos])
+            self._next_look_s = self.data.time + RANGE_WATCH_S
 
     def chamber_volumes_m3(self) -> Vector:
         """Volume of each finger's chamber without bulging, shape (5,): V(delta) at the tendon's present length."""
