@@ -31,11 +31,8 @@ def check_whole(root: Fields) -> None:
     if bad is not None:
         raise root.error(*bad, "finite")
     if CHECKSUM in root.raw and root.raw[CHECKSUM] != (found := content_sha256(root.raw)):
-        raise root.error(
-            CHECKSUM,
-            root.raw[CHECKSUM],
-            f"{found[:12]}..., that of the content: the file was damaged or edited (remove the field if that was meant)",
-        )
+        allowed = f"{found[:12]}..., that of the content; the file was damaged, or edited: then remove this field"
+        raise root.error(CHECKSUM, root.raw[CHECKSUM], allowed)
 
 
 def read_geometry(geometry: Fields) -> dict[str, Any]:

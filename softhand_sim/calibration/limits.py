@@ -58,7 +58,7 @@ class RangeWatch:
     def beyond(self) -> dict[str, float]:
         """Return what went beyond the calibrated range: the extreme value (Pa gauge or rad) by name, none if empty."""
         highest = self.limits.pressure_pa_gauge + PRESSURE_MARGIN_PA
-        found = {}
+        found: dict[str, float] = {}
         for names, values, what in ((ELEMENTS, self._set, "set_pressure"), (FINGERS, self._pressure, "pressure")):
             found |= {f"{n}_{what}_pa_gauge": float(v) for n, v in zip(names, values, strict=True) if v > highest}
         for values, outside in (
