@@ -32,6 +32,7 @@ def table(variables: Sequence[str], found: Sequence[Row], pressures_pa: Sequence
         *(f"{p}, N at the tip" for p in kpa),
         "closes at, kPa",
         *(f"{name} held" for name in objects),
+        *(["trials beyond calibration"] if objects else []),
         "ended",
     ]
     body = [
@@ -41,6 +42,7 @@ def table(variables: Sequence[str], found: Sequence[Row], pressures_pa: Sequence
             *_numbers(row, "tip_force_n", len(kpa), ".3f"),
             text(row.get("closing_pressure_pa_gauge"), ".1f", 1e-3),
             *(_held(row, name) for name in objects),
+            *([_beyond(row)] if objects else []),
             row["ended"],
         ]
         for row in found
@@ -133,6 +135,12 @@ def _held(row: Row, name: str) -> str:
     if one is None:
         return NONE
     return f"{one['held']}/{one['trials']} ({one['wilson_low']:.2f}-{one['wilson_high']:.2f})"
+
+
+def _beyond(row: Row) -> str:
+    if "objects" not in row:
+        return NONE
+    return str(sum(one["trials_beyond_calibration"] for one in row["objects"].values()))
 
 
 def _unit(name: str) -> str:

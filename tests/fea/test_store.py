@@ -21,8 +21,6 @@ COARSE = DENSITIES["coarse"]
 
 def changed(value):
     """A value of the same kind that differs as little as a user's change may."""
-    if isinstance(value, bool):
-        return not value
     if isinstance(value, int):
         return value + 1
     if isinstance(value, float):
