@@ -204,7 +204,7 @@ def _thrust_area(model: SolidModel, top: Bool, u_m: F64, pressure: float, solver
     held = np.isin(model.free, 3 * np.flatnonzero(top) + 2)
     upper = sp.csr_array(state.tangent)
     rest = upper[~held]
-    pull = rest[:, held].sum(axis=1) + upper[held][:, ~held].sum(axis=0)
+    pull: F64 = np.asarray(rest[:, held].sum(axis=1) + upper[held][:, ~held].sum(axis=0), dtype=np.float64)
     answer = solver.solve(sp.csr_array(rest[:, ~held]), -pull)
     if answer is None:
         raise ValueError("u_m: the tangent is singular at this state")

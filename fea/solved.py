@@ -2,6 +2,8 @@
 
 import time
 from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 from typing import Any
 
 from fea.artifact import artifact
@@ -16,14 +18,20 @@ def solve_finger(
 ) -> Solved:
     """Calibrate a finger; with ``choose``, find first the palm sector that gives the stated angle.
 
+    Starts a process of its own for the parts alone, so a script that calls this needs its ``__main__`` guard.
+
     Raises
     ------
     ValueError
         If an analysis ends too early to fit anything, or no sector gives the angle.
     """
     start = time.perf_counter()
-    work = choose_sector if choose else calibrate
-    result = work(design.geometry, design.materials, density, progress=progress)
+    if choose:
+        result = choose_sector(design.geometry, design.materials, density, progress=progress)
+    else:
+        # spawn: a forked child would inherit the parent's BLAS threads
+        with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
+            result = calibrate(design.geometry, design.materials, density, progress=progress, beside=pool)
     return Solved(artifact=artifact(result), report=report(result, time.perf_counter() - start))
 
 
