@@ -4,7 +4,7 @@ from dataclasses import asdict
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
-from fea.calibration import FINGER_PRESSURES_PA_GAUGE, TARGET_PRESSURE_PA_GAUGE, TARGET_TIP_ANGLE_DEG, Materials
+from fea.calibration import FINGER_PATH, TARGET_PRESSURE_PA_GAUGE, TARGET_TIP_ANGLE_DEG, Materials
 from fea.checkpoint import code_version
 from fea.compiled import kernel_name
 from fea.density import Density
@@ -35,7 +35,7 @@ def finger_identity(
             "choose_sector": choose_sector,
             "target_tip_angle_deg": TARGET_TIP_ANGLE_DEG,
             "target_pressure_pa_gauge": TARGET_PRESSURE_PA_GAUGE,
-            "finger_pressure_pa_gauge": list(FINGER_PRESSURES_PA_GAUGE),
+            "finger_path": asdict(FINGER_PATH),
             "load_n": list(LOADS_N),
             "contact": asdict(CONTACT),
             "newton": _finite(asdict(NewtonOptions())),

@@ -53,6 +53,7 @@ def report(c: Calibration, wall_s: float) -> dict[str, Any]:
         "exoskeleton_tip_deflection_m": x.tip_deflection_m.tolist(),
         "exoskeleton_joint_angle_rad": x.angle_rad.tolist(),
         "exoskeleton_status": x.status.value,
+        "finger_branch": list(f.branch),
         "finger_pressure_pa_gauge": f.pressure_pa_gauge.tolist(),
         "finger_joint_angle_rad": f.joint_angle_rad.tolist(),
         "finger_volume_m3": f.volume_m3.tolist(),

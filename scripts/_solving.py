@@ -10,7 +10,7 @@ from typing import Any, Protocol
 
 from tqdm import tqdm
 
-from fea.calibration import FINGER_PRESSURES_PA_GAUGE
+from fea.calibration import FINGER_PATH
 from fea.density import Density
 from fea.exoskeleton import LOADS_N
 from fea.finger_design import FingerDesign
@@ -56,7 +56,7 @@ class Solver:
         ValueError
             If the analyses refuse the finger.
         """
-        steps = len(density.pressures_pa_gauge) + len(LOADS_N) + 1 + len(FINGER_PRESSURES_PA_GAUGE)
+        steps = len(density.pressures_pa_gauge) + len(LOADS_N) + 1 + len(FINGER_PATH.targets)
 
         def work() -> Solved:
             with tqdm(total=None if choose else steps, desc=label, unit="step") as bar:

@@ -11,14 +11,15 @@ from tqdm import tqdm
 
 from fea.density import Density
 from fea.finger_design import FingerDesign
+from fea.tip_wall import SENSOR_DISTANCE_M
 from scripts import _cli, _solving
 from scripts._sweep_report import Row, shown
 from softhand_sim.benchmark.report import summarise, trial_rows
 from softhand_sim.benchmark.runner import BenchmarkPlan, in_order, run_benchmark
 from softhand_sim.calibration import FingerCalibration
+from softhand_sim.characterize.bench import Bench
 from softhand_sim.grasp.scripted import FIRM_ANGLE_DEG
 from softhand_sim.objects.model import ObjectModel
-from softhand_sim.tip_force import tip_force
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,11 +69,17 @@ def _bending(plan: Plan, artifact: Any, calibration: FingerCalibration) -> Row:
         "pressure_pa_gauge": list(plan.pressures_pa_gauge),
         "tip_angle_deg": [calibration.angle_for_pressure(p) for p in within] + beyond,
         "fea_tip_angle_deg": [_fea_angle_deg(finger, p) for p in plan.pressures_pa_gauge],
-        "tip_force_n": tip_force(calibration, within).tolist() + beyond,
+        "tip_force_n": _tip_forces_n(calibration, within) + beyond,
         "closing_pressure_pa_gauge": calibration.closing_pressure(FIRM_ANGLE_DEG),
         "highest_pressure_pa_gauge": highest,
         "ended": f"{finger['status']}, {1e-3 * reached:g} kPa",
     }
+
+
+def _tip_forces_n(calibration: FingerCalibration, pressures_pa: list[float]) -> list[float]:
+    """Return the blocked tip's force on a wall, one pressure after the other."""
+    bench = Bench(calibration, wall_distance_m=SENSOR_DISTANCE_M)
+    return [bench.go_to(pressure).wall_force_n for pressure in pressures_pa]
 
 
 def _fea_angle_deg(finger: Any, pressure_pa: float) -> float | None:

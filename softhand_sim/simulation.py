@@ -13,6 +13,7 @@ from softhand_sim.hand.anatomy import HandAnatomy
 from softhand_sim.hand.hand import WRIST
 from softhand_sim.pneumatics.state import PneumaticState
 from softhand_sim.pneumatics.system import PneumaticSystem, default_elements
+from softhand_sim.sliding import sliding_friction
 from softhand_sim.wrist import limited_step
 
 Vector = npt.NDArray[np.float64]
@@ -27,9 +28,11 @@ class HandIndex:
     """Addresses of the hand's parts in a compiled model."""
 
     pressure_ctrl: Vector
+    sliding_ctrl: Vector
     wrist_ctrl: Vector
     wrist_qpos: Vector
     tendon: Vector
+    straight_length_m: Vector
     joint_qpos: Vector
     palm_body: int
 
@@ -37,14 +40,24 @@ class HandIndex:
     def of(cls, model: mujoco.MjModel) -> "HandIndex":
         """Look the names up once."""
         joints = [[f"{f}_{j}" for j in JOINTS] for f in FINGERS]
+        tendon = np.array([model.tendon(f"{f}_actuator").id for f in FINGERS])
+        names = {model.actuator(k).name for k in range(model.nu)}
+        # a calibration without friction leaves these actuators out
+        sliding = [name for f in FINGERS if (name := f"{f}_sliding") in names]
         return cls(
             pressure_ctrl=np.array([model.actuator(f"{f}_pressure").id for f in FINGERS]),
+            sliding_ctrl=np.array([model.actuator(name).id for name in sliding], dtype=np.int64),
             wrist_ctrl=np.array([model.actuator(name).id for name in WRIST]),
             wrist_qpos=np.array([model.joint(name).qposadr[0] for name in WRIST]),
-            tendon=np.array([model.tendon(f"{f}_actuator").id for f in FINGERS]),
+            tendon=tendon,
+            straight_length_m=model.tendon_length0[tendon].copy(),
             joint_qpos=np.array([[model.joint(name).qposadr[0] for name in row] for row in joints]),
             palm_body=int(model.body("palm").id),
         )
+
+    def elongations_m(self, data: mujoco.MjData) -> Vector:
+        """Elongation of each finger's actuator, shape (5,): its tendon shortens by it."""
+        return np.asarray(self.straight_length_m - data.ten_length[self.tendon])
 
 
 def default_pneumatics(calibration: FingerCalibration) -> PneumaticSystem:
@@ -75,6 +88,7 @@ class HandSimulation:
         self.index = HandIndex.of(self.model)
         self.data = mujoco.MjData(self.model)
         self.dt = float(self.model.opt.timestep)
+        self.sliding = sliding_friction(self.calibration.sliding, self.calibration.chamber)
 
     def reset(self, rng: np.random.Generator, wrist_pose: Vector) -> None:
         """Start anew with empty fingers and the wrist standing at `wrist_pose`, shape (6,)."""
@@ -87,6 +101,7 @@ class HandSimulation:
         self.set_pressure_pa_gauge = np.zeros(3)
         self.range_watch = RangeWatch(limits=CalibratedRange.of(self.calibration))
         self._next_look_s = 0.0
+        self.slip_m = self.elongations_m()
         self.gas: PneumaticState = self.pneumatics.reset(self.chamber_volumes_m3(), rng)
 
     def step(self) -> None:
@@ -100,16 +115,25 @@ class HandSimulation:
         self.gas = self.pneumatics.step(self.gas, self.chamber_volumes_m3(), self.set_pressure_pa_gauge, self.dt)
         ctrl = self.data.ctrl
         ctrl[self.index.wrist_ctrl] = self.wrist_reference
-        pressure = self.pneumatics.finger_pressures_pa_gauge(self.gas)
+        pressure = np.asarray(self.pneumatics.finger_pressures_pa_gauge(self.gas))
         ctrl[self.index.pressure_ctrl] = pressure
+        if self.sliding is not None:
+            angle = self.data.qpos[self.index.joint_qpos]
+            self.slip_m, ctrl[self.index.sliding_ctrl] = self.sliding.step(
+                self.slip_m, self.elongations_m(), np.abs(angle).sum(axis=1), pressure
+            )
         mujoco.mj_step(self.model, self.data)
         if self.data.time >= self._next_look_s:
             self.range_watch.look(self.set_pressure_pa_gauge, pressure, self.data.qpos[self.index.joint_qpos])
             self._next_look_s = self.data.time + RANGE_WATCH_S
 
+    def elongations_m(self) -> Vector:
+        """Elongation of each finger's actuator at the present joint angles, shape (5,)."""
+        return self.calibration.elongations_m(self.data.qpos[self.index.joint_qpos])
+
     def chamber_volumes_m3(self) -> Vector:
-        """Volume of each finger's chamber without bulging, shape (5,): V(delta) at the tendon's present length."""
-        delta = np.asarray(self.data.ten_length[self.index.tendon])
+        """Volume of each finger's chamber without bulging, shape (5,): V(delta) at the present joint angles."""
+        delta = self.elongations_m()
         chamber = self.calibration.chamber
         return np.asarray(chamber.volume_m3 + delta * (chamber.area_m2 + 0.5 * chamber.area_slope_m * delta))
 
