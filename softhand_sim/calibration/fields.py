@@ -82,16 +82,21 @@ class Fields:
         return array
 
     def build(self, kind: type[T], **read: Any) -> T:
-        """Return ``kind``, a dataclass, from the fields of the same names, but for those in ``read``; no others."""
+        """Return ``kind``, a dataclass, from the fields of the same names, but for those in ``read``."""
         names = [field.name for field in fields(kind)]  # type: ignore[arg-type]
-        for name in self.raw:
-            if name not in names:
-                raise self.error(name, self.raw[name], f"absent: an unknown field; known: {', '.join(names)}")
         values = {name: self.value(name) for name in names if name not in read}
         try:
             return kind(**values, **read)
         except ValueError as error:
             raise ValueError(f"{self.path}: {self.place}{error}") from None
+
+    def build_only(self, kind: type[T], **read: Any) -> T:
+        """Return ``kind`` like :meth:`build`; an error if there are other fields."""
+        names = [field.name for field in fields(kind)]  # type: ignore[arg-type]
+        for name in self.raw:
+            if name not in names:
+                raise self.error(name, self.raw[name], f"absent: an unknown field; known: {', '.join(names)}")
+        return self.build(kind, **read)
 
     @contextmanager
     def naming_file(self) -> Iterator[None]:

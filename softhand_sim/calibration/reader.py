@@ -120,8 +120,8 @@ def load_calibration(path: Path | None = None) -> FingerCalibration:
     with root.naming_file():
         calibration = FingerCalibration(
             joints=tuple(_build_joint(joint) for joint in joints),
-            tendon=root.object("tendon").build(TendonCalibration),
-            chamber=root.object("chamber").build(ChamberCalibration),
+            tendon=root.object("tendon").build_only(TendonCalibration),
+            chamber=root.object("chamber").build_only(ChamberCalibration),
             finger=_build_body(finger),
             curve=_build_curve(curve),
             geometry=MappingProxyType(read_geometry(root.object("geometry"))),
@@ -132,16 +132,16 @@ def load_calibration(path: Path | None = None) -> FingerCalibration:
 
 
 def _build_joint(fields: Fields) -> JointCalibration:
-    return fields.build(JointCalibration, name=fields.text("name"))
+    return fields.build_only(JointCalibration, name=fields.text("name"))
 
 
 def _build_body(fields: Fields) -> FingerBody:
     positions = tuple(fields.numbers("joint_position_m", (3,)).tolist())
-    return fields.build(FingerBody, joint_position_m=positions)
+    return fields.build_only(FingerBody, joint_position_m=positions)
 
 
 def _build_curve(fields: Fields) -> CalibrationCurve:
-    return fields.build(
+    return fields.build_only(
         CalibrationCurve,
         pressure_pa_gauge=fields.numbers("pressure_pa_gauge", (None,)),
         tip_angle_deg=fields.numbers("tip_angle_deg", (None,)),
