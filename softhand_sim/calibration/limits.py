@@ -48,7 +48,7 @@ class RangeWatch:
     _high: Vector = field(default_factory=lambda: np.zeros((len(FINGERS), len(JOINTS))))
     _low: Vector = field(default_factory=lambda: np.zeros((len(FINGERS), len(JOINTS))))
 
-    def look(self, set_pa_gauge: Vector, pressure_pa_gauge: Sequence[float], joint_angle_rad: Vector) -> None:
+    def look(self, set_pa_gauge: Vector, pressure_pa_gauge: Sequence[float] | Vector, joint_angle_rad: Vector) -> None:
         """Take in set pressures per element (3,), pressures per finger (5,) and joint angles (5, 3)."""
         np.maximum(self._set, set_pa_gauge, out=self._set)
         np.maximum(self._pressure, pressure_pa_gauge, out=self._pressure)

@@ -16,6 +16,7 @@ from scripts.design_sweep import main
 from softhand_sim.benchmark.report import wilson_interval
 
 SHIPPED = json.loads((asset_path("calibration") / "finger.json").read_text())
+LIMIT_PA = 60e3
 
 
 class StandIn:
@@ -31,10 +32,10 @@ class StandIn:
         made = {k: v for k, v in SHIPPED.items() if k != "content_sha256"}
         made |= {"geometry": design.geometry.as_dict()}
         if design.geometry.flexure_thickness_m > 1.1 * FingerGeometry().flexure_thickness_m:
-            kept = sum(p <= 60e3 for p in made["curve"]["pressure_pa_gauge"])
+            kept = sum(p <= LIMIT_PA for p in made["curve"]["pressure_pa_gauge"])
             made["curve"] = {name: values[:kept] for name, values in made["curve"].items()}
             finger = made["fea"]["finger"]
-            kept = sum(p <= 60e3 for p in finger["pressure_pa_gauge"])
+            kept = next(k for k, p in enumerate(finger["pressure_pa_gauge"]) if p > LIMIT_PA)
             cut = {k: v[:kept] if isinstance(v, list) else v for k, v in finger.items()}
             made["fea"] = {**made["fea"], "finger": cut | {"status": "limit point"}}
         return Solved(artifact=made, report={})
@@ -85,10 +86,11 @@ def test_a_finger_that_fails_is_a_row_with_its_reason(sweep, stand_in, tmp_path,
     assert [row["values"]["flexure_thickness_m"] for row in rows] == [0.0033, 0.004] * 2
     assert all(row["ended"].startswith("no result: finger.pressure_pa_gauge: 4 usable") for row in rows[:2])
     assert rows[2]["ended"] == "converged, 80 kPa"
-    assert rows[3]["ended"] == "limit point, 59.5 kPa"
+    last = max(p for p in SHIPPED["fea"]["finger"]["pressure_pa_gauge"] if p <= LIMIT_PA)
+    assert rows[3]["ended"] == f"limit point, {1e-3 * last:g} kPa"
     # 75 kPa lies beyond what the last finger reached: no number rather than an extrapolated one
     assert rows[3]["tip_angle_deg"] == rows[3]["tip_force_n"] == rows[3]["fea_tip_angle_deg"] == [None]
-    assert rows[3]["closing_pressure_pa_gauge"] == 60e3
+    assert rows[3]["closing_pressure_pa_gauge"] == LIMIT_PA
     lines = capsys.readouterr().out.splitlines()
     assert lines[0].startswith("| silicone | flexure_thickness (mm) | 75 kPa, degrees |")
     assert lines[3].startswith("| ecoflex-00-50/set1 | 4 | - | - | - |")
