@@ -145,7 +145,7 @@ def fit_arm(angle_rad: F64, lengthening_m: F64) -> Arm:
     straight, grown = 2.0 * np.sin(half).sum(axis=1), 4.0 * (1.0 - np.cos(half)).sum(axis=1)
     # slope = LEAST_SLOPE offset + more, more >= 0
     design = np.stack([straight + LEAST_SLOPE_PER_RAD * grown, grown], axis=1)
-    offset, more = lsq_linear(design, lengthening_m, bounds=(0.0, np.inf)).x
+    offset, more = lsq_linear(design, lengthening_m, bounds=(0.0, np.inf), method="bvls").x
     return Arm(offset_m=float(offset), offset_slope_m_per_rad=float(LEAST_SLOPE_PER_RAD * offset + more))
 
 

@@ -11,7 +11,7 @@ from scripts import _cli
 from softhand_sim.calibration import FingerCalibration, FingerEvidence, load_calibration, load_evidence
 from softhand_sim.characterize import STUDIES, Report
 from softhand_sim.characterize.pictures import draw
-from softhand_sim.characterize.pressure_angle import PRESSURES_PA_GAUGE, pressure_angle_report
+from softhand_sim.characterize.pressure_sweep import PRESSURES_PA_GAUGE, pressure_angle_report
 
 EXAMPLES = """examples:
   characterize.py all --json out/fidelity.json --pictures out/fidelity

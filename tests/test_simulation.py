@@ -28,8 +28,10 @@ def test_chamber_volume_is_the_calibration_s_at_the_tendon_s_length(simulation, 
     run(simulation, 1.5)
     angles = simulation.data.qpos[simulation.index.joint_qpos]
     own = [calibration.chamber.volume_m3_at(calibration.elongation_m(tuple(row))) for row in angles]
+    assert simulation.chamber_volumes_m3() == pytest.approx(own, rel=1e-12)
     # the engine's tendon lengths are those of the step's start
-    assert simulation.chamber_volumes_m3() == pytest.approx(own, rel=1e-4)
+    lengths = simulation.index.elongations_m(simulation.data)
+    assert simulation.elongations_m() == pytest.approx(lengths, rel=1e-3)
     assert min(own) > calibration.chamber.volume_m3_at(0.0)
 
 
@@ -39,6 +41,8 @@ def test_shut_valves_keep_the_gas_when_a_finger_is_bent(simulation):
     run(simulation, 3.0)
     while any(valve for command in simulation.gas.valves for valve in command):
         simulation.step()
+    # past a sample of the controller, which acts on the next one only
+    run(simulation, 0.004)
     before = simulation.gas
     element = simulation.pneumatics.elements[1]
     assert element.compliance_m3_per_pa > 0.0
@@ -51,12 +55,10 @@ def test_shut_valves_keep_the_gas_when_a_finger_is_bent(simulation):
 
     kept = product()
     simulation.data.qpos[simulation.index.joint_qpos[index]] += 0.2
-    simulation.data.qvel[:] = 0.0
-    simulation.step()
-    assert simulation.gas.mass_kg == before.mass_kg
     simulation.gas = simulation.pneumatics.step(
         simulation.gas, simulation.chamber_volumes_m3(), simulation.set_pressure_pa_gauge, 1e-6
     )
+    assert simulation.gas.mass_kg == before.mass_kg
     assert product() == pytest.approx(kept, rel=1e-3)
     assert simulation.gas.pressure_pa_abs[1] < before.pressure_pa_abs[1]
 

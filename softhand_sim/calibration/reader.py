@@ -142,10 +142,7 @@ def load_calibration(path: Path | None = None) -> FingerCalibration:
             joints=tuple(_build_joint(joint) for joint in joints),
             tendon=root.object("tendon").build_only(TendonCalibration),
             chamber=root.object("chamber").build_only(ChamberCalibration),
-<<<<<<< HEAD
             sliding=root.object("sliding").build_only(SlidingCalibration),
-=======
->>>>>>> design
             finger=_build_body(finger),
             curve=_build_curve(curve),
             analysis=build_cycle(analysis, fitted=analysis.list_of("fitted", bool)),
@@ -163,7 +160,6 @@ def _build_joint(fields: Fields) -> JointCalibration:
 def _build_body(fields: Fields) -> FingerBody:
     positions = tuple(fields.numbers("joint_position_m", (3,)).tolist())
     return fields.build_only(FingerBody, joint_position_m=positions)
-<<<<<<< HEAD
 
 
 def build_cycle(fields: Fields, *, fitted: tuple[bool, ...] | None = None) -> FingerCycle:
@@ -176,8 +172,6 @@ def build_cycle(fields: Fields, *, fitted: tuple[bool, ...] | None = None) -> Fi
         chamber_volume_m3=fields.numbers("chamber_volume_m3", (None,)),
         fitted=fitted,
     )
-=======
->>>>>>> design
 
 
 def _build_curve(fields: Fields) -> CalibrationCurve:

@@ -99,8 +99,11 @@ class Bench:
         """Slip of the friction [m]."""
         return float(self._slip[0])
 
-    def step(self, pressure_pa_gauge: float, tip_load_n: float = 0.0) -> None:
-        """Advance by one time step under a pressure and a load on the tip towards the back of the hand [N]."""
+    def step(self, pressure_pa_gauge: float, tip_load_n: float = 0.0, *, nstep: int = 1) -> None:
+        """Advance by time steps under a pressure and a load on the tip towards the back of the hand [N].
+
+        Friction and the load's place are those of the first of them.
+        """
         data = self.data
         data.ctrl[self._pressure_ctrl] = pressure_pa_gauge
         if self.sliding is not None:
@@ -112,7 +115,7 @@ class Bench:
             data.qfrc_applied[:] = 0.0
             push, place = np.array([-tip_load_n, 0.0, 0.0]), data.site_xpos[self._tip]
             mujoco.mj_applyFT(self.model, data, push, np.zeros(3), place, self._distal, data.qfrc_applied)
-        mujoco.mj_step(self.model, data)
+        mujoco.mj_step(self.model, data, nstep=nstep)
         self._pressure, self._load = pressure_pa_gauge, tip_load_n
 
     def go_to(self, pressure_pa_gauge: float, tip_load_n: float = 0.0) -> Reading:

@@ -29,6 +29,7 @@ def hysteresis(calibration: FingerCalibration, evidence: FingerEvidence) -> Repo
         If the evidence is of another finger.
     """
     evidence.require_same_finger(calibration)
+    seen = _seen(calibration, evidence)
     cycle, bench = evidence.cycle, Bench(calibration)
     readings = [bench.go_to(pressure) for pressure in cycle.pressure_pa_gauge]
     tip, pressure = np.array([reading.tip_angle_deg for reading in readings]), cycle.pressure_pa_gauge
@@ -57,13 +58,13 @@ def hysteresis(calibration: FingerCalibration, evidence: FingerEvidence) -> Repo
             ),
         ),
         panels=(
-            _angles(pressure, cycle.tip_angle_deg, tip, top),
+            _angles(pressure, cycle.tip_angle_deg, tip, seen, top),
             Panel(
                 title="Width of the loop",
                 x_label="pressure / kPa gauge",
                 y_label="unloading minus loading / degrees",
                 curves=(
-                    Curve(source=Source.FEA, x=(pressure[back] / 1e3).tolist(), y=fea_width.tolist()),
+                    *_dots(pressure[back], fea_width, seen[back] | seen[top + 1 :]),
                     Curve(source=Source.SURROGATE, x=(pressure[back] / 1e3).tolist(), y=width.tolist()),
                 ),
             ),
@@ -72,14 +73,28 @@ def hysteresis(calibration: FingerCalibration, evidence: FingerEvidence) -> Repo
     )
 
 
-def _angles(pressure: Vector, expected: Vector, tip: Vector, top: int) -> Panel:
+def _seen(calibration: FingerCalibration, evidence: FingerEvidence) -> npt.NDArray[np.bool_]:
+    """Return which rows of the evidence's cycle the identification saw in its own run, (n,)."""
+    own = calibration.analysis
+    rows = zip(own.branch, own.pressure_pa_gauge.tolist(), own.fitted or (), strict=False)
+    fitted = {(branch, pressure) for branch, pressure, used in rows if used}
+    cycle = evidence.cycle
+    return np.array([row in fitted for row in zip(cycle.branch, cycle.pressure_pa_gauge.tolist(), strict=True)])
+
+
+def _dots(pressure: Vector, value: Vector, seen: npt.NDArray[np.bool_]) -> tuple[Curve, ...]:
+    groups = ((Source.FEA_FITTED, seen), (Source.FEA, ~seen))
+    return tuple(Curve(source=s, x=(pressure[k] / 1e3).tolist(), y=value[k].tolist()) for s, k in groups if k.any())
+
+
+def _angles(pressure: Vector, expected: Vector, tip: Vector, seen: npt.NDArray[np.bool_], top: int) -> Panel:
     ways = (slice(0, top + 1), slice(top, None))
     return Panel(
         title="Pressure cycle",
         x_label="pressure / kPa gauge",
         y_label="tip angle / degrees",
         curves=(
-            *(Curve(source=Source.FEA, x=(pressure[w] / 1e3).tolist(), y=expected[w].tolist()) for w in ways),
+            *_dots(pressure, expected, seen),
             *(Curve(source=Source.SURROGATE, x=(pressure[w] / 1e3).tolist(), y=tip[w].tolist()) for w in ways),
         ),
     )

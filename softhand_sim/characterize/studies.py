@@ -5,7 +5,7 @@ from collections.abc import Callable
 from softhand_sim.calibration import FingerCalibration, FingerEvidence
 from softhand_sim.characterize.energy import energy
 from softhand_sim.characterize.hysteresis import hysteresis
-from softhand_sim.characterize.pressure_angle import pressure_angle_report
+from softhand_sim.characterize.pressure_sweep import pressure_angle_report
 from softhand_sim.characterize.report import Report
 from softhand_sim.characterize.tip_force import tip_force
 from softhand_sim.characterize.tip_load import tip_load
