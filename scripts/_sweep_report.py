@@ -66,7 +66,7 @@ def draw(
     groups = _groups(variables, found)
     figure = Figure(figsize=(7.5, 8.5 if objects else 6.0), dpi=130, layout="constrained")
     panels = figure.subplots(3 if objects else 2, 1, sharex=True)
-    for group, own in groups.items():
+    for place, (group, own) in enumerate(groups.items()):
         x = _abscissa(variables[0], own, found)
         for k, pressure in enumerate(pressures_pa):
             name = ", ".join(part for part in (group, f"{1e-3 * pressure:g} kPa") if part)
@@ -74,8 +74,9 @@ def draw(
                 axes.plot(x, [_or_nan(row, key, k) for row in own], marker="o", label=name)
         for number, item in enumerate(objects):
             name = ", ".join(part for part in (group, item) if part)
-            _draw_success(panels[-1], np.asarray(x, dtype=np.float64), own, item, name, number - 0.5 * len(objects))
-    for axes, title in zip(panels, ("tip angle (degrees)", "tip force (N)", "held"), strict=False):
+            shift = place * len(objects) + number - 0.5 * (len(groups) * len(objects) - 1)
+            _draw_success(panels[-1], np.asarray(x, dtype=np.float64), own, item, name, shift)
+    for axes, title in zip(panels, ("tip angle (degrees)", "tip force (N)", "share held, 95 % Wilson"), strict=False):
         axes.set_ylabel(title)
         axes.grid(alpha=0.3)
         axes.legend(fontsize=8)
