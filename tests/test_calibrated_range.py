@@ -76,6 +76,19 @@ def test_every_joint_has_its_own_ends(calibration):
             assert len(watch.beyond()) == 2
 
 
+def test_noise_at_the_range_s_end_is_no_flag_but_a_higher_set_pressure_is(calibration):
+    limits = CalibratedRange.of(calibration)
+    still, end = np.zeros((len(FINGERS), 3)), limits.pressure_pa_gauge
+    watch = RangeWatch(limits=limits)
+    watch.look(np.full(3, end), [0.0, end + 0.9e3, 0.0, 0.0, 0.0], still)
+    assert watch.beyond() == {}
+    watch.look(np.array([0.0, 0.0, end + 2.0]), [0.0, end + 1.1e3, 0.0, 0.0, 0.0], still)
+    assert watch.beyond() == {
+        "middle_ring_little_set_pressure_pa_gauge": end + 2.0,
+        "index_pressure_pa_gauge": end + 1.1e3,
+    }
+
+
 def result(name, seed, beyond):
     return TrialResult(
         object=name,

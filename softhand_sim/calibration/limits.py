@@ -14,8 +14,8 @@ Vector = npt.NDArray[np.float64]
 
 ANGLE_MARGIN_RAD = 0.035
 """Choice: 2 degrees, what the calibration's joint angles differ from the complete finger's at most."""
-PRESSURE_MARGIN_PA = 1.0
-"""Choice: rounding of a set pressure at the range's end."""
+SET_PRESSURE_MARGIN_PA, PRESSURE_MARGIN_PA = 1.0, 1e3
+"""Choices: rounding of a set pressure at the range's end; what noise lets a finger pass it by (0.6 kPa were seen)."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,9 +57,12 @@ class RangeWatch:
 
     def beyond(self) -> dict[str, float]:
         """Return what went beyond the calibrated range: the extreme value (Pa gauge or rad) by name, none if empty."""
-        highest = self.limits.pressure_pa_gauge + PRESSURE_MARGIN_PA
         found: dict[str, float] = {}
-        for names, values, what in ((ELEMENTS, self._set, "set_pressure"), (FINGERS, self._pressure, "pressure")):
+        for names, values, what, margin in (
+            (ELEMENTS, self._set, "set_pressure", SET_PRESSURE_MARGIN_PA),
+            (FINGERS, self._pressure, "pressure", PRESSURE_MARGIN_PA),
+        ):
+            highest = self.limits.pressure_pa_gauge + margin
             found |= {f"{n}_{what}_pa_gauge": float(v) for n, v in zip(names, values, strict=True) if v > highest}
         for values, outside in (
             (self._high, self._high > self.limits.joint_angle_rad + ANGLE_MARGIN_RAD),
