@@ -82,8 +82,8 @@ def job(argv: Sequence[str] | None = None) -> int:
         _cli.write_json(args.json, data)
     print(
         f"{len(pressures)} pressures up to {1e-3 * pressures[-1]:g} kPa: finite elements {fea_s:.1f} s, "
-        f"simulated finger {1e3 * median(times):.1f} ms (median of {args.repeats}), ratio {data['ratio']:.0f}; tip angle "
-        f"{data['tip_angle_error_rms_deg']:.2f} degrees RMS, {data['tip_angle_error_max_deg']:.2f} at most"
+        f"simulated finger {1e3 * median(times):.1f} ms (median of {args.repeats}), ratio {data['ratio']:.0f}; "
+        f"tip angle {data['tip_angle_error_rms_deg']:.2f} degrees RMS, {data['tip_angle_error_max_deg']:.2f} at most"
     )
     return 0
 

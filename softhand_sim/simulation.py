@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from softhand_sim.calibration import JOINTS, FingerCalibration
+from softhand_sim.calibration import JOINT_RANGE_RAD, JOINTS, FingerCalibration
 from softhand_sim.calibration.limits import CalibratedRange, RangeWatch
 from softhand_sim.elements import FINGERS
 from softhand_sim.hand.anatomy import HandAnatomy
@@ -20,6 +20,7 @@ Vector = npt.NDArray[np.float64]
 
 RANGE_WATCH_S = 0.02
 """Choice: how often range_watch looks, the sensors' period; every step would cost some per cent of a trial."""
+_MOST_BEND_RAD = len(JOINTS) * JOINT_RANGE_RAD[1]
 _INSTABILITY = (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC)
 
 
@@ -118,9 +119,10 @@ class HandSimulation:
         pressure = np.asarray(self.pneumatics.finger_pressures_pa_gauge(self.gas))
         ctrl[self.index.pressure_ctrl] = pressure
         if self.sliding is not None:
-            angle = self.data.qpos[self.index.joint_qpos]
+            # an engine that diverges shows infinite angles before it says so
+            bend = np.minimum(np.abs(self.data.qpos[self.index.joint_qpos]).sum(axis=1), _MOST_BEND_RAD)
             self.slip_m, ctrl[self.index.sliding_ctrl] = self.sliding.step(
-                self.slip_m, self.elongations_m(), np.abs(angle).sum(axis=1), pressure
+                self.slip_m, self.elongations_m(), bend, pressure
             )
         mujoco.mj_step(self.model, self.data)
         if self.data.time >= self._next_look_s:
@@ -128,11 +130,11 @@ class HandSimulation:
             self._next_look_s = self.data.time + RANGE_WATCH_S
 
     def elongations_m(self) -> Vector:
-        """Elongation of each finger's actuator at the present joint angles, shape (5,)."""
-        return self.calibration.elongations_m(self.data.qpos[self.index.joint_qpos])
+        """Elongation of each finger's actuator, shape (5,): that at the start of the engine's last step."""
+        return self.index.elongations_m(self.data)
 
     def chamber_volumes_m3(self) -> Vector:
-        """Volume of each finger's chamber without bulging, shape (5,): V(delta) at the present joint angles."""
+        """Volume of each finger's chamber without bulging, shape (5,): V(delta) at the tendon's present length."""
         delta = self.elongations_m()
         chamber = self.calibration.chamber
         return np.asarray(chamber.volume_m3 + delta * (chamber.area_m2 + 0.5 * chamber.area_slope_m * delta))

@@ -28,11 +28,30 @@ def test_chamber_volume_is_the_calibration_s_at_the_tendon_s_length(simulation, 
     run(simulation, 1.5)
     angles = simulation.data.qpos[simulation.index.joint_qpos]
     own = [calibration.chamber.volume_m3_at(calibration.elongation_m(tuple(row))) for row in angles]
-    assert simulation.chamber_volumes_m3() == pytest.approx(own, rel=1e-12)
     # the engine's tendon lengths are those of the step's start
-    lengths = simulation.index.elongations_m(simulation.data)
-    assert simulation.elongations_m() == pytest.approx(lengths, rel=1e-3)
+    assert simulation.chamber_volumes_m3() == pytest.approx(own, rel=1e-4)
     assert min(own) > calibration.chamber.volume_m3_at(0.0)
+
+
+def test_sliding_friction_opposes_the_motion_within_its_bound(simulation, calibration):
+    law, index = calibration.sliding, simulation.index
+
+    def force_and_bound():
+        pressure = simulation.data.ctrl[index.pressure_ctrl]
+        bend = np.abs(simulation.data.qpos[index.joint_qpos]).sum(axis=1)
+        area = np.array([calibration.chamber.area_m2_at(d) for d in simulation.elongations_m()])
+        return simulation.data.ctrl[index.sliding_ctrl].copy(), law.coefficient_per_rad * bend * pressure * area
+
+    simulation.set_pressure_pa_gauge = np.full(3, 70e3)
+    run(simulation, 0.8)
+    closing, bound = force_and_bound()
+    assert (closing < -0.5 * bound).all()
+    assert (closing >= -1.02 * bound).all()
+    simulation.set_pressure_pa_gauge = np.full(3, 40e3)
+    run(simulation, 1.5)
+    opening, bound = force_and_bound()
+    assert (opening > 0.5 * bound).all()
+    assert (opening <= 1.02 * bound).all()
 
 
 def test_shut_valves_keep_the_gas_when_a_finger_is_bent(simulation):
@@ -41,8 +60,6 @@ def test_shut_valves_keep_the_gas_when_a_finger_is_bent(simulation):
     run(simulation, 3.0)
     while any(valve for command in simulation.gas.valves for valve in command):
         simulation.step()
-    # past a sample of the controller, which acts on the next one only
-    run(simulation, 0.004)
     before = simulation.gas
     element = simulation.pneumatics.elements[1]
     assert element.compliance_m3_per_pa > 0.0
@@ -55,10 +72,12 @@ def test_shut_valves_keep_the_gas_when_a_finger_is_bent(simulation):
 
     kept = product()
     simulation.data.qpos[simulation.index.joint_qpos[index]] += 0.2
+    simulation.data.qvel[:] = 0.0
+    simulation.step()
+    assert simulation.gas.mass_kg == before.mass_kg
     simulation.gas = simulation.pneumatics.step(
         simulation.gas, simulation.chamber_volumes_m3(), simulation.set_pressure_pa_gauge, 1e-6
     )
-    assert simulation.gas.mass_kg == before.mass_kg
     assert product() == pytest.approx(kept, rel=1e-3)
     assert simulation.gas.pressure_pa_abs[1] < before.pressure_pa_abs[1]
 

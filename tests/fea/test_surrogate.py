@@ -3,17 +3,19 @@ from dataclasses import asdict, fields, replace
 
 import numpy as np
 import pytest
-from tests_fea_helpers import finger_like
+from tests_fea_helpers import finger_like, finger_result
 
 from assets import asset_path
-from fea.actuator import ActuatorMesh, actuator_model, analyse_actuator
+from fea.actuator import ActuatorMesh, ActuatorResult, actuator_model, analyse_actuator
 from fea.artifact import artifact, write_artifact
 from fea.calibration import Calibration
 from fea.compiled import kernel_name
 from fea.density import DENSITIES
+from fea.exoskeleton import ExoskeletonResult
 from fea.finger import MESHES
 from fea.geometry import FingerGeometry
 from fea.identification import GAP_BULGING, fit_chamber, fit_flexure, fit_monotone, reduce_finger
+from fea.newton import Status
 from fea.surrogate import Arm, Chamber, Cubic, Sliding, Surrogate
 from softhand_sim.calibration.integrity import content_sha256
 
@@ -171,6 +173,39 @@ def test_shipped_surrogate_follows_the_complete_finger(shipped):
             assert surrogate.tip_angle_deg(pressure) == pytest.approx(np.rad2deg(np.sum(joints)), abs=1.0)
         elif pressure <= 50e3:
             np.testing.assert_allclose(surrogate.unloading_angles(pressure), joints, atol=np.deg2rad(0.8))
+
+
+def test_shipped_laws_are_those_that_the_shipped_tables_give(shipped):
+    """Identification of the file's own tables: a law that was changed by hand, or by later code, shows."""
+    tables = shipped["fea"]
+    a, x, f = (tables[name] for name in ("actuator", "exoskeleton", "finger"))
+    end = {"status": Status.CONVERGED, "iterations": 0, "dofs": 1, "elements": 1}
+    actuator = ActuatorResult(
+        pressure_pa_gauge=np.array(a["pressure_pa_gauge"]),
+        elongation=np.array(a["elongation_ratio"]),
+        lengthening_m=np.array(a["lengthening_m"]),
+        volume_m3=np.array(a["chamber_volume_m3"]),
+        radial_growth_m=np.array(a["radial_growth_m"]),
+        max_stretch=np.array(a["max_principal_stretch"]),
+        thrust_area_m2=np.array(a["thrust_area_m2"]),
+        **end,
+    )
+    exoskeleton = ExoskeletonResult(
+        load_n=np.array(x["load_n"]),
+        tip_deflection_m=np.array(x["tip_deflection_m"]),
+        angle_rad=np.array(x["joint_angle_rad"]),
+        moment_n_m=np.array(x["joint_moment_n_m"]),
+        lengthening_m=np.array(x["axis_lengthening_m"]),
+        **end,
+    )
+    columns = (np.array(f[name]) for name in ("pressure_pa_gauge", "joint_angle_rad", "chamber_volume_m3"))
+    found = reduce_finger(actuator, exoskeleton, finger_result(*columns)).surrogate
+    stored = _surrogate(shipped)
+    for pressure in (10e3, 45e3, 80e3):
+        np.testing.assert_allclose(found.angles(pressure), stored.angles(pressure), atol=1e-5)
+        np.testing.assert_allclose(found.unloading_angles(pressure), stored.unloading_angles(pressure), atol=1e-5)
+    assert found.arm.offset_m == pytest.approx(stored.arm.offset_m, rel=1e-4)
+    assert found.chamber == stored.chamber
 
 
 def test_shipped_fit_saw_every_second_state(shipped):
