@@ -83,7 +83,10 @@ def checked(artifact: Mapping[str, Any]) -> FingerCalibration:
     with TemporaryDirectory() as folder:
         file = Path(folder) / "finger.json"
         _cli.write_json(file, dict(artifact))
-        return load_calibration(file)
+        try:
+            return load_calibration(file)
+        except ValueError as error:
+            raise ValueError(str(error).replace(f"{file}: ", "refused by the runtime: ")) from None
 
 
 def _warn(line: str) -> None:
