@@ -11,9 +11,10 @@ from softhand_sim.calibration.limits import CalibratedRange, RangeWatch
 from softhand_sim.elements import FINGERS
 from softhand_sim.hand.anatomy import HandAnatomy
 from softhand_sim.hand.hand import WRIST
+from softhand_sim.losses import Losses
 from softhand_sim.pneumatics.state import PneumaticState
 from softhand_sim.pneumatics.system import PneumaticSystem, default_elements
-from softhand_sim.sliding import sliding_friction
+from softhand_sim.relaxation import MaxwellBranch
 from softhand_sim.wrist import limited_step
 
 Vector = npt.NDArray[np.float64]
@@ -29,7 +30,7 @@ class HandIndex:
     """Addresses of the hand's parts in a compiled model."""
 
     pressure_ctrl: Vector
-    sliding_ctrl: Vector
+    loss_ctrl: Vector
     wrist_ctrl: Vector
     wrist_qpos: Vector
     tendon: Vector
@@ -42,12 +43,9 @@ class HandIndex:
         """Look the names up once."""
         joints = [[f"{f}_{j}" for j in JOINTS] for f in FINGERS]
         tendon = np.array([model.tendon(f"{f}_actuator").id for f in FINGERS])
-        names = {model.actuator(k).name for k in range(model.nu)}
-        # a calibration without friction leaves these actuators out
-        sliding = [name for f in FINGERS if (name := f"{f}_sliding") in names]
         return cls(
             pressure_ctrl=np.array([model.actuator(f"{f}_pressure").id for f in FINGERS]),
-            sliding_ctrl=np.array([model.actuator(name).id for name in sliding], dtype=np.int64),
+            loss_ctrl=np.array([model.actuator(f"{f}_loss").id for f in FINGERS]),
             wrist_ctrl=np.array([model.actuator(name).id for name in WRIST]),
             wrist_qpos=np.array([model.joint(name).qposadr[0] for name in WRIST]),
             tendon=tendon,
@@ -78,18 +76,20 @@ class HandSimulation:
     wrist_target: x, y, z (m), yaw, pitch, roll (rad), shape (6,); approached at the wrist's limited speed.
     set_pressure_pa_gauge: wanted pressure per element (Pa), shape (3,).
     range_watch: what went beyond the calibrated range since the reset; never silently extrapolated.
+    relaxation: branches of the walls' relaxation, none by default (`softhand_sim.relaxation.CONDITIONED_SILICONE`).
     """
 
     model: mujoco.MjModel
     calibration: FingerCalibration
     pneumatics: PneumaticSystem
     anatomy: HandAnatomy = field(default_factory=HandAnatomy)
+    relaxation: tuple[MaxwellBranch, ...] = ()
 
     def __post_init__(self) -> None:
         self.index = HandIndex.of(self.model)
         self.data = mujoco.MjData(self.model)
         self.dt = float(self.model.opt.timestep)
-        self.sliding = sliding_friction(self.calibration.sliding, self.calibration.chamber)
+        self.losses = Losses.of(self.calibration, self.relaxation)
 
     def reset(self, rng: np.random.Generator, wrist_pose: Vector) -> None:
         """Start anew with empty fingers and the wrist standing at `wrist_pose`, shape (6,)."""
@@ -102,7 +102,7 @@ class HandSimulation:
         self.set_pressure_pa_gauge = np.zeros(3)
         self.range_watch = RangeWatch(limits=CalibratedRange.of(self.calibration))
         self._next_look_s = 0.0
-        self.slip_m = self.elongations_m()
+        self.loss_state = self.losses.rest(self.elongations_m())
         self.gas: PneumaticState = self.pneumatics.reset(self.chamber_volumes_m3(), rng)
 
     def step(self) -> None:
@@ -118,12 +118,11 @@ class HandSimulation:
         ctrl[self.index.wrist_ctrl] = self.wrist_reference
         pressure = np.asarray(self.pneumatics.finger_pressures_pa_gauge(self.gas))
         ctrl[self.index.pressure_ctrl] = pressure
-        if self.sliding is not None:
-            # an engine that diverges shows infinite angles before it says so
-            bend = np.minimum(np.abs(self.data.qpos[self.index.joint_qpos]).sum(axis=1), _MOST_BEND_RAD)
-            self.slip_m, ctrl[self.index.sliding_ctrl] = self.sliding.step(
-                self.slip_m, self.elongations_m(), bend, pressure
-            )
+        # an engine that diverges shows infinite angles before it says so
+        bend = np.minimum(np.abs(self.data.qpos[self.index.joint_qpos]).sum(axis=1), _MOST_BEND_RAD)
+        self.loss_state, ctrl[self.index.loss_ctrl] = self.losses.step(
+            self.loss_state, self.elongations_m(), bend, pressure, self.dt
+        )
         mujoco.mj_step(self.model, self.data)
         if self.data.time >= self._next_look_s:
             self.range_watch.look(self.set_pressure_pa_gauge, pressure, self.data.qpos[self.index.joint_qpos])

@@ -38,7 +38,7 @@ class SlidingFriction:
         stiffness = self.law.stiffness_n_per_m
         area = self.chamber.area_m2 + self.chamber.area_slope_m * elongation_m
         reach = (self.law.coefficient_per_rad / stiffness) * bend_rad * pressure_pa_gauge * area
-        # three times faster than np.clip on five numbers
+        # twice as fast as np.clip on five numbers
         stretch = np.minimum(np.maximum(elongation_m - slip_m, -reach), reach)
         return elongation_m - stretch, -stiffness * stretch
 

@@ -40,7 +40,7 @@ def test_sliding_friction_opposes_the_motion_within_its_bound(simulation, calibr
         pressure = simulation.data.ctrl[index.pressure_ctrl]
         bend = np.abs(simulation.data.qpos[index.joint_qpos]).sum(axis=1)
         area = np.array([calibration.chamber.area_m2_at(d) for d in simulation.elongations_m()])
-        return simulation.data.ctrl[index.sliding_ctrl].copy(), law.coefficient_per_rad * bend * pressure * area
+        return simulation.data.ctrl[index.loss_ctrl].copy(), law.coefficient_per_rad * bend * pressure * area
 
     simulation.set_pressure_pa_gauge = np.full(3, 70e3)
     run(simulation, 0.8)

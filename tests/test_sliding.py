@@ -20,7 +20,7 @@ def follow(elongation, bend, pressure):
     return np.array(forces), np.array(slips)
 
 
-def test_a_cycle_at_constant_pressure_and_bend_keeps_four_bounds_a_sweep():
+def test_a_cycle_at_constant_pressure_and_bend_encloses_a_parallelogram():
     """Elastic-perfectly plastic: the loop is a parallelogram of height 2 F and width s - 2 F / k."""
     sweep, pressure, bend = 5e-3, 60e3, 1.2
     chamber = ChamberCalibration(volume_m3=2.5e-6, area_m2=6e-5, area_slope_m=0.0, bulging_m3_per_pa=0.0)

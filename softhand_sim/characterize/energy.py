@@ -39,7 +39,7 @@ def work_over(bench: Bench, path: tuple[tuple[float, float], ...]) -> Work:
             share = min(1.0, k / (steps - 200))
             p = pressure + share * (end_pressure - pressure)
             bench.step(p, load + share * (end_load - load))
-            states.append((p, bench.elongation_m, bench.pressure_force_n, bench.sliding_force_n))
+            states.append((p, bench.elongation_m, bench.pressure_force_n, bench.loss_force_n))
         pressure, load = end_pressure, end_load
     p, delta, force, sliding = np.array(states).T
     volume = np.array([chamber.volume_m3_at(d) for d in delta]) + chamber.bulging_m3_per_pa * p

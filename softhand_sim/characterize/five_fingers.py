@@ -11,8 +11,8 @@ from softhand_sim.calibration import FingerCalibration
 from softhand_sim.characterize.bench import PRESSURE_RATE_PA_PER_S, STILL_RAD_PER_S
 from softhand_sim.elements import FINGERS
 from softhand_sim.hand.scene import EngineSettings, build_root, compile_scene
+from softhand_sim.losses import Losses
 from softhand_sim.simulation import HandIndex
-from softhand_sim.sliding import sliding_friction
 
 LONGEST_S = 60.0
 G_M_PER_S2 = 9.81
@@ -81,20 +81,20 @@ class _Hand:
         self.model, self.calibration = model, calibration
         self.data, self.index = mujoco.MjData(model), HandIndex.of(model)
         self.data.ctrl[self.index.wrist_ctrl] = self.data.qpos[self.index.wrist_qpos]
-        self.sliding = sliding_friction(calibration.sliding, calibration.chamber)
-        self.slip_m, self.pressure = np.zeros(len(FINGERS)), 0.0
+        self.losses = Losses.of(calibration)
+        self.loss_state, self.pressure = self.losses.rest(np.zeros(len(FINGERS))), 0.0
 
     def step(self, pressure: float) -> None:
         data, index = self.data, self.index
         data.ctrl[index.pressure_ctrl] = pressure
-        if self.sliding is not None:
-            angle = data.qpos[index.joint_qpos]
-            self.slip_m, data.ctrl[index.sliding_ctrl] = self.sliding.step(
-                self.slip_m,
-                self.calibration.elongations_m(angle),
-                np.abs(angle).sum(axis=1),
-                np.full(len(FINGERS), pressure),
-            )
+        angle = data.qpos[index.joint_qpos]
+        self.loss_state, data.ctrl[index.loss_ctrl] = self.losses.step(
+            self.loss_state,
+            self.calibration.elongations_m(angle),
+            np.abs(angle).sum(axis=1),
+            np.full(len(FINGERS), pressure),
+            self.model.opt.timestep,
+        )
         mujoco.mj_step(self.model, data)
 
     def rest_at(self, pressure: float) -> npt.NDArray[np.float64]:

@@ -119,10 +119,8 @@ def _add_actuator(root: mjcf.RootElement, name: str, calibration: FingerCalibrat
         ctrllimited=True,
         ctrlrange=(0.0, highest),
     )
-    coefficient = calibration.sliding.coefficient_per_rad
-    if coefficient > 0.0:
-        bend = len(calibration.joints) * JOINT_RANGE_RAD[1]
-        stretched = sum(joint.elongation_m_at(JOINT_RANGE_RAD[1]) for joint in calibration.joints)
-        most = coefficient * bend * highest * chamber.area_m2_at(stretched)
-        root.actuator.add("motor", name=f"{name}_sliding", tendon=tendon, gear=(-1.0,), ctrlrange=(-most, most))
+    # friction and relaxation: what the engine has no element for is never more than the largest thrust
+    stretched = sum(joint.elongation_m_at(JOINT_RANGE_RAD[1]) for joint in calibration.joints)
+    most = highest * chamber.area_m2_at(stretched)
+    root.actuator.add("motor", name=f"{name}_loss", tendon=tendon, gear=(-1.0,), ctrlrange=(-most, most))
     root.sensor.add("tendonpos", name=f"{name}_length", tendon=tendon)
