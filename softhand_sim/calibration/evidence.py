@@ -66,11 +66,24 @@ class FingerEvidence:
     provenance: Mapping[str, Any]
 
     def require_same_finger(self, calibration: FingerCalibration) -> None:
-        """Raise unless the calibration is of the finger that the evidence was measured on."""
+        """Raise unless the calibration is of the dimensions, materials and mesh that the evidence was measured with."""
         for name, value in self.geometry.items():
             if calibration.geometry.get(name) != value:
                 raise ValueError(
                     f"geometry.{name} = {calibration.geometry.get(name)!r}: the evidence is of a finger with {value!r}"
+                )
+        made = calibration.notes["provenance"]
+        if made.get("density") != self.provenance.get("density"):
+            raise ValueError(
+                f"provenance.density = {made.get('density')!r}: the evidence is of {self.provenance.get('density')!r}"
+            )
+        own = made.get("materials", {})
+        for material in self.provenance.get("materials", {}).values():
+            found = own.get(material["name"], {})
+            if found.get("parameters") != material["parameters"]:
+                raise ValueError(
+                    f"provenance.materials.{material['name']} is of set {found.get('set')!r}: the evidence is of "
+                    f"{material['set']!r}"
                 )
 
 

@@ -122,9 +122,12 @@ class Bench:
 
         Raises
         ------
+        ValueError
+            If the pressure lies outside the calibration's curve.
         RuntimeError
             If the finger does not come to rest.
         """
+        self.calibration.angle_for_pressure(pressure_pa_gauge)
         start, load = self._pressure, self._load
         time = max(abs(pressure_pa_gauge - start) / PRESSURE_RATE_PA_PER_S, abs(tip_load_n - load) / LOAD_RATE_N_PER_S)
         steps = int(np.ceil(time / self.model.opt.timestep))

@@ -34,6 +34,7 @@ def hysteresis(calibration: FingerCalibration, evidence: FingerEvidence) -> Repo
     readings = [bench.go_to(pressure) for pressure in cycle.pressure_pa_gauge]
     tip, pressure = np.array([reading.tip_angle_deg for reading in readings]), cycle.pressure_pa_gauge
     own, expected = loop_area(pressure, np.radians(tip)), loop_area(pressure, np.radians(cycle.tip_angle_deg))
+    unseen = [loop_area(pressure[~seen], angle[~seen]) for angle in (tip, cycle.tip_angle_deg)]
     up = cycle.loading
     top = int(up.sum()) - 1
     # rows of equal pressure on both ways, from the top's neighbour down to zero
@@ -53,6 +54,12 @@ def hysteresis(calibration: FingerCalibration, evidence: FingerEvidence) -> Repo
         },
         checks=(
             Check(name="area of the loop", value=100.0 * abs(own / expected - 1.0), limit=AREA_LIMIT_PERCENT, unit="%"),
+            Check(
+                name="area of the loop, states that the fit did not see",
+                value=100.0 * abs(unseen[0] / unseen[1] - 1.0),
+                limit=AREA_LIMIT_PERCENT,
+                unit="%",
+            ),
             Check(
                 name="angle left at zero pressure", value=abs(float(tip[-1])), limit=CLOSED_LIMIT_DEG, unit="degrees"
             ),

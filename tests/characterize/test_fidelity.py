@@ -1,5 +1,6 @@
 """The simulated finger against finite elements and against what the paper states, as `characterize.py all` has it."""
 
+import copy
 from dataclasses import replace
 
 import numpy as np
@@ -86,6 +87,16 @@ def test_evidence_of_another_finger_is_refused(calibration, evidence):
     for name in ("tip-force", "tip-load", "hysteresis"):
         with pytest.raises(ValueError, match=r"geometry\.tube_wall_m = 0\.0021"):
             STUDIES[name](other, evidence)
+    made = calibration.notes["provenance"]
+    materials = copy.deepcopy(made["materials"])
+    materials["NinjaFlex TPU"] |= {"set": "set2", "parameters": {}}
+    for change, named in (
+        ({"density": "coarse"}, "provenance.density = 'coarse'"),
+        ({"materials": materials}, "'set2'"),
+    ):
+        other = replace(calibration, notes={**calibration.notes, "provenance": {**made, **change}})
+        with pytest.raises(ValueError, match=named):
+            evidence.require_same_finger(other)
 
 
 def test_wall_pushes_back_with_what_the_finger_pushes(calibration):
@@ -111,6 +122,12 @@ def test_wall_pushes_back_with_what_the_finger_pushes(calibration):
 
     force = -(potential(far) - potential(near)) / (2 * h)
     assert here.wall_force_n == pytest.approx(force, rel=0.01)
+
+
+def test_pressures_that_are_not_calibrated_are_refused(calibration):
+    for pressure in (80_001.0, -1.0):
+        with pytest.raises(ValueError, match=f"pressure_pa_gauge = {pressure}"):
+            Bench(calibration).go_to(pressure)
 
 
 def test_area_of_a_known_loop():
