@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softhand_sim.calibration import JOINT_RANGE_RAD, JOINTS, FingerCalibration
+from softhand_sim.calibration.limits import CalibratedRange, RangeWatch
 from softhand_sim.elements import FINGERS
 from softhand_sim.hand.anatomy import HandAnatomy
 from softhand_sim.hand.hand import WRIST
@@ -18,6 +19,8 @@ from softhand_sim.wrist import limited_step
 
 Vector = npt.NDArray[np.float64]
 
+RANGE_WATCH_S = 0.02
+"""Choice: how often range_watch looks, the sensors' period; every step would cost some per cent of a trial."""
 _MOST_BEND_RAD = len(JOINTS) * JOINT_RANGE_RAD[1]
 _INSTABILITY = (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC)
 
@@ -72,6 +75,7 @@ class HandSimulation:
     ----------
     wrist_target: x, y, z (m), yaw, pitch, roll (rad), shape (6,); approached at the wrist's limited speed.
     set_pressure_pa_gauge: wanted pressure per element (Pa), shape (3,).
+    range_watch: what went beyond the calibrated range since the reset; never silently extrapolated.
     relaxation: branches of the walls' relaxation, none by default (`softhand_sim.relaxation.CONDITIONED_SILICONE`).
     """
 
@@ -96,6 +100,8 @@ class HandSimulation:
         self.wrist_reference = np.array(wrist_pose, dtype=np.float64)
         self.wrist_target = self.wrist_reference.copy()
         self.set_pressure_pa_gauge = np.zeros(3)
+        self.range_watch = RangeWatch(limits=CalibratedRange.of(self.calibration))
+        self._next_look_s = 0.0
         self.loss_state = self.losses.rest(self.elongations_m())
         self.gas: PneumaticState = self.pneumatics.reset(self.chamber_volumes_m3(), rng)
 
@@ -118,6 +124,9 @@ class HandSimulation:
             self.loss_state, self.elongations_m(), bend, pressure, self.dt
         )
         mujoco.mj_step(self.model, self.data)
+        if self.data.time >= self._next_look_s:
+            self.range_watch.look(self.set_pressure_pa_gauge, pressure, self.data.qpos[self.index.joint_qpos])
+            self._next_look_s = self.data.time + RANGE_WATCH_S
 
     def elongations_m(self) -> Vector:
         """Elongation of each finger's actuator, shape (5,): that at the start of the engine's last step."""
