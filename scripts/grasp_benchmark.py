@@ -17,7 +17,7 @@ from assets import asset_path
 from scripts import _cli
 from softhand_sim.benchmark.pictures import draw
 from softhand_sim.benchmark.plan import BenchmarkPlan
-from softhand_sim.benchmark.report import conditions, summarise, table, trial_rows
+from softhand_sim.benchmark.report import beyond_calibration, conditions, summarise, table, trial_rows
 from softhand_sim.benchmark.runner import in_order, run_benchmark
 from softhand_sim.benchmark.store import TrialStore
 from softhand_sim.grasp.protocol_file import DEFAULT, load_protocol, protocol_names
@@ -100,6 +100,8 @@ def _job(argv: Sequence[str] | None) -> int:
         results = in_order(plan, list(tqdm(running, total=total, desc="trials", unit="trial")))
     summary = summarise(results)
     print(table(summary))
+    if flags := beyond_calibration(results):
+        print(flags)
     print(conditions(plan.protocol))
     for name, reason in batch.failures.items():
         # a mesh file's reason begins with its path already

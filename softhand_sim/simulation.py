@@ -6,16 +6,22 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from softhand_sim.calibration import JOINTS, FingerCalibration
+from softhand_sim.calibration import JOINT_RANGE_RAD, JOINTS, FingerCalibration
+from softhand_sim.calibration.limits import CalibratedRange, RangeWatch
 from softhand_sim.elements import FINGERS
 from softhand_sim.hand.anatomy import HandAnatomy
 from softhand_sim.hand.hand import WRIST
+from softhand_sim.losses import Losses
 from softhand_sim.pneumatics.state import PneumaticState
 from softhand_sim.pneumatics.system import PneumaticSystem, default_elements
+from softhand_sim.relaxation import MaxwellBranch
 from softhand_sim.wrist import limited_step
 
 Vector = npt.NDArray[np.float64]
 
+RANGE_WATCH_S = 0.02
+"""Choice: how often range_watch looks, the sensors' period; every step would cost some per cent of a trial."""
+_MOST_BEND_RAD = len(JOINTS) * JOINT_RANGE_RAD[1]
 _INSTABILITY = (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC)
 
 
@@ -24,9 +30,11 @@ class HandIndex:
     """Addresses of the hand's parts in a compiled model."""
 
     pressure_ctrl: Vector
+    loss_ctrl: Vector
     wrist_ctrl: Vector
     wrist_qpos: Vector
     tendon: Vector
+    straight_length_m: Vector
     joint_qpos: Vector
     palm_body: int
 
@@ -34,14 +42,21 @@ class HandIndex:
     def of(cls, model: mujoco.MjModel) -> "HandIndex":
         """Look the names up once."""
         joints = [[f"{f}_{j}" for j in JOINTS] for f in FINGERS]
+        tendon = np.array([model.tendon(f"{f}_actuator").id for f in FINGERS])
         return cls(
             pressure_ctrl=np.array([model.actuator(f"{f}_pressure").id for f in FINGERS]),
+            loss_ctrl=np.array([model.actuator(f"{f}_loss").id for f in FINGERS]),
             wrist_ctrl=np.array([model.actuator(name).id for name in WRIST]),
             wrist_qpos=np.array([model.joint(name).qposadr[0] for name in WRIST]),
-            tendon=np.array([model.tendon(f"{f}_actuator").id for f in FINGERS]),
+            tendon=tendon,
+            straight_length_m=model.tendon_length0[tendon].copy(),
             joint_qpos=np.array([[model.joint(name).qposadr[0] for name in row] for row in joints]),
             palm_body=int(model.body("palm").id),
         )
+
+    def elongations_m(self, data: mujoco.MjData) -> Vector:
+        """Elongation of each finger's actuator, shape (5,): its tendon shortens by it."""
+        return np.asarray(self.straight_length_m - data.ten_length[self.tendon])
 
 
 def default_pneumatics(calibration: FingerCalibration) -> PneumaticSystem:
@@ -60,17 +75,21 @@ class HandSimulation:
     ----------
     wrist_target: x, y, z (m), yaw, pitch, roll (rad), shape (6,); approached at the wrist's limited speed.
     set_pressure_pa_gauge: wanted pressure per element (Pa), shape (3,).
+    range_watch: what went beyond the calibrated range since the reset; never silently extrapolated.
+    relaxation: branches of the walls' relaxation, none by default (`softhand_sim.relaxation.CONDITIONED_SILICONE`).
     """
 
     model: mujoco.MjModel
     calibration: FingerCalibration
     pneumatics: PneumaticSystem
     anatomy: HandAnatomy = field(default_factory=HandAnatomy)
+    relaxation: tuple[MaxwellBranch, ...] = ()
 
     def __post_init__(self) -> None:
         self.index = HandIndex.of(self.model)
         self.data = mujoco.MjData(self.model)
         self.dt = float(self.model.opt.timestep)
+        self.losses = Losses.of(self.calibration, self.relaxation)
 
     def reset(self, rng: np.random.Generator, wrist_pose: Vector) -> None:
         """Start anew with empty fingers and the wrist standing at `wrist_pose`, shape (6,)."""
@@ -81,6 +100,9 @@ class HandSimulation:
         self.wrist_reference = np.array(wrist_pose, dtype=np.float64)
         self.wrist_target = self.wrist_reference.copy()
         self.set_pressure_pa_gauge = np.zeros(3)
+        self.range_watch = RangeWatch(limits=CalibratedRange.of(self.calibration))
+        self._next_look_s = 0.0
+        self.loss_state = self.losses.rest(self.elongations_m())
         self.gas: PneumaticState = self.pneumatics.reset(self.chamber_volumes_m3(), rng)
 
     def step(self) -> None:
@@ -94,12 +116,25 @@ class HandSimulation:
         self.gas = self.pneumatics.step(self.gas, self.chamber_volumes_m3(), self.set_pressure_pa_gauge, self.dt)
         ctrl = self.data.ctrl
         ctrl[self.index.wrist_ctrl] = self.wrist_reference
-        ctrl[self.index.pressure_ctrl] = self.pneumatics.finger_pressures_pa_gauge(self.gas)
+        pressure = np.asarray(self.pneumatics.finger_pressures_pa_gauge(self.gas))
+        ctrl[self.index.pressure_ctrl] = pressure
+        # an engine that diverges shows infinite angles before it says so
+        bend = np.minimum(np.abs(self.data.qpos[self.index.joint_qpos]).sum(axis=1), _MOST_BEND_RAD)
+        self.loss_state, ctrl[self.index.loss_ctrl] = self.losses.step(
+            self.loss_state, self.elongations_m(), bend, pressure, self.dt
+        )
         mujoco.mj_step(self.model, self.data)
+        if self.data.time >= self._next_look_s:
+            self.range_watch.look(self.set_pressure_pa_gauge, pressure, self.data.qpos[self.index.joint_qpos])
+            self._next_look_s = self.data.time + RANGE_WATCH_S
+
+    def elongations_m(self) -> Vector:
+        """Elongation of each finger's actuator, shape (5,): that at the start of the engine's last step."""
+        return self.index.elongations_m(self.data)
 
     def chamber_volumes_m3(self) -> Vector:
         """Volume of each finger's chamber without bulging, shape (5,): V(delta) at the tendon's present length."""
-        delta = np.asarray(self.data.ten_length[self.index.tendon])
+        delta = self.elongations_m()
         chamber = self.calibration.chamber
         return np.asarray(chamber.volume_m3 + delta * (chamber.area_m2 + 0.5 * chamber.area_slope_m * delta))
 

@@ -32,6 +32,7 @@ class TrialResult:
     finger_contact_s, finger_penetration_m: time during which a finger touched another, and how deep.
     engine_warnings: the engine's warnings by name, with their number; empty if none.
     peak_pressure_pa_gauge: per element.
+    beyond_calibration: what went beyond the calibrated range, and its extreme (`RangeWatch.beyond`).
     object_offset_m, object_offset_yaw_rad: displacement and turn of the object from where the hand expected it.
     simulated_s, wall_s: duration in simulated and in real time.
     """
@@ -58,6 +59,7 @@ class TrialResult:
     finger_penetration_m: float
     engine_warnings: dict[str, int]
     peak_pressure_pa_gauge: dict[str, float]
+    beyond_calibration: dict[str, float]
     object_offset_m: tuple[float, float]
     object_offset_yaw_rad: float
     simulated_s: float
@@ -119,6 +121,7 @@ def result_of(
         finger_penetration_m=recorder.finger_deepest_m,
         engine_warnings=_warnings(simulation.data),
         peak_pressure_pa_gauge=_named(ELEMENTS, recorder.peak_pressure_pa_gauge),
+        beyond_calibration=simulation.range_watch.beyond(),
         object_offset_m=offset[:2],
         object_offset_yaw_rad=offset[2],
         simulated_s=float(simulation.data.time),
@@ -151,6 +154,7 @@ def crashed(model: ObjectModel, protocol: GraspProtocol, seed: int) -> TrialResu
         finger_penetration_m=0.0,
         engine_warnings={},
         peak_pressure_pa_gauge=dict.fromkeys(ELEMENTS, 0.0),
+        beyond_calibration={},
         object_offset_m=(0.0, 0.0),
         object_offset_yaw_rad=0.0,
         simulated_s=0.0,
