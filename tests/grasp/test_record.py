@@ -48,7 +48,7 @@ def test_a_held_mug_s_record_balances(calibration):
     result = run_trial(prepare(make_object("mug"), calibration), seed=0)
     assert result.outcome is Outcome.HELD
     assert result.contacts >= 3
-    assert "thumb_distal" in result.links
+    assert any(link.startswith("thumb_") for link in result.links)
     assert set(result.force_n) == {*FINGERS, "palm"}
     # friction bears the weight: at most mu times the normal forces, on sides that are nearly upright
     assert result.friction * sum(result.force_n.values()) > result.mass_kg * 9.81
