@@ -25,7 +25,6 @@ from fea.projection import Projection, nearest, neighbours
 from fea.tangential import TangentialPairs
 from fea.triangle import bends, shapes, slopes
 
-
 _AT_REST_PA = 1.0
 """Choice: what rounding may leave of the pressure at rest."""
 
@@ -269,7 +268,8 @@ def segment_contact(mesh: SolidMesh, first: I64, second: I64, options: SegmentOp
     contact = _cut(mesh.points_m, rest, first, second, options, neighbours(second))
     at_rest = float(np.abs(contact.contact_pressure_pa(rest)).max())
     if at_rest > _AT_REST_PA:
-        raise ValueError(f"law = {options.law}: the surfaces push with {at_rest:.3g} Pa at rest; their gap must be wider")
+        text = f"the surfaces push with {at_rest:.3g} Pa at rest; their gap must be wider"
+        raise ValueError(f"law = {options.law}: {text}")
     return contact
 
 
