@@ -8,7 +8,7 @@ from softhand_sim.pneumatics.sensor import PressureSensor
 
 _LOOK_UP = """\
 /* Pressure [Pa gauge] for a bending angle [deg], linear between the rows; -1 outside the table. */
-static float softhand_pressure_pa_gauge(float angle_deg)
+static inline float softhand_pressure_pa_gauge(float angle_deg)
 {
     int k = 1;
     if (!(angle_deg >= SOFTHAND_ANGLE_DEG[0] && angle_deg <= SOFTHAND_ANGLE_DEG[SOFTHAND_TABLE_ROWS - 1]))

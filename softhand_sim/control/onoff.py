@@ -42,21 +42,26 @@ class OnOffController:
     minimum_pulse_ticks
         Shortest opening of a valve, in control ticks. Choice: 1, which is 20 ms at the paper's 50 Hz; a valve with an
         opening delay of a tick or more needs more, or its pulses let nothing through.
+    dead_time_ticks
+        How long a valve goes on flowing after the command to shut, in control ticks; looked ahead too. Choice: 0.
 
     Raises
     ------
     ValueError
-        If the dead band is negative, ambient is not positive, or the pulse is not a whole number of 1 to 1000.
+        If the dead band or dead time is negative, ambient is not positive, or the pulse is not a whole number from
+        1 to 1000.
     """
 
     dead_band_pa: float = 2.0 * 244.140625
     lookahead: bool = True
     ambient_pa_abs: float = AMBIENT_PA_ABS
     minimum_pulse_ticks: int = 1
+    dead_time_ticks: float = 0.0
 
     def __post_init__(self) -> None:
         require_finite("dead_band_pa", self.dead_band_pa, at_least=0.0)
         require_finite("ambient_pa_abs", self.ambient_pa_abs, above=0.0)
+        require_finite("dead_time_ticks", self.dead_time_ticks, at_least=0.0)
         if self.minimum_pulse_ticks not in range(1, 1001):
             raise ValueError(f"minimum_pulse_ticks = {self.minimum_pulse_ticks!r}: must be an integer from 1 to 1000")
 
@@ -72,10 +77,12 @@ class OnOffController:
         memory: list[float] = []
         for k, (reading, set_gauge) in enumerate(zip(readings_pa_abs, set_pa_gauge, strict=True)):
             inlet, outlet, last, rise, fall, ticks_open = state[k * _MEMORY : (k + 1) * _MEMORY]
+            # with dead time the first reading of a pulse shows a part of it: keep what the one before did
+            part = self.dead_time_ticks > 0.0 and ticks_open == 1.0
             if self.lookahead and inlet:
-                rise = max(reading - last, 0.0)
+                rise = max(reading - last, rise if part else 0.0)
             if self.lookahead and outlet:
-                fall = max(last - reading, 0.0)
+                fall = max(last - reading, fall if part else 0.0)
             now = ValveCommand(bool(inlet), bool(outlet))
             if 0.0 < ticks_open < self.minimum_pulse_ticks:
                 command = now
@@ -96,6 +103,7 @@ class OnOffController:
         if set_gauge <= 0.0:
             return ValveCommand(False, -error > (0.0 if now.outlet_open else self.dead_band_pa))
         # a pulse that begins lasts its shortest time, one that goes on may end at the next tick
-        inlet_at = rise if now.inlet_open else max(self.dead_band_pa, rise * self.minimum_pulse_ticks)
-        outlet_at = fall if now.outlet_open else max(self.dead_band_pa, fall * self.minimum_pulse_ticks)
+        going_on, beginning = 1.0 + self.dead_time_ticks, float(self.minimum_pulse_ticks)
+        inlet_at = rise * going_on if now.inlet_open else max(self.dead_band_pa, rise * beginning)
+        outlet_at = fall * going_on if now.outlet_open else max(self.dead_band_pa, fall * beginning)
         return ValveCommand(error > inlet_at, -error > outlet_at)
