@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softhand_sim.calibration import JOINTS, FingerCalibration
-from softhand_sim.elements import FINGERS
+from softhand_sim.elements import FINGERS, spread_to_fingers
 from softhand_sim.hand.anatomy import HandAnatomy
 from softhand_sim.hand.hand import WRIST
 from softhand_sim.pneumatics.state import PneumaticState
@@ -60,11 +60,13 @@ class HandSimulation:
     ----------
     wrist_target: x, y, z (m), yaw, pitch, roll (rad), shape (6,); approached at the wrist's limited speed.
     set_pressure_pa_gauge: wanted pressure per element (Pa), shape (3,).
+
+    Without `pneumatics` (None) the fingers have the wanted pressure at once, and there is no gas.
     """
 
     model: mujoco.MjModel
     calibration: FingerCalibration
-    pneumatics: PneumaticSystem
+    pneumatics: PneumaticSystem | None
     anatomy: HandAnatomy = field(default_factory=HandAnatomy)
 
     def __post_init__(self) -> None:
@@ -81,7 +83,9 @@ class HandSimulation:
         self.wrist_reference = np.array(wrist_pose, dtype=np.float64)
         self.wrist_target = self.wrist_reference.copy()
         self.set_pressure_pa_gauge = np.zeros(3)
-        self.gas: PneumaticState = self.pneumatics.reset(self.chamber_volumes_m3(), rng)
+        self.gas: PneumaticState | None = None
+        if self.pneumatics is not None:
+            self.gas = self.pneumatics.reset(self.chamber_volumes_m3(), rng)
 
     def step(self) -> None:
         """Advance by one time step of the engine."""
@@ -91,11 +95,29 @@ class HandSimulation:
             self.anatomy.wrist_speed_m_per_s * self.dt,
             self.anatomy.wrist_rate_rad_per_s * self.dt,
         )
-        self.gas = self.pneumatics.step(self.gas, self.chamber_volumes_m3(), self.set_pressure_pa_gauge, self.dt)
         ctrl = self.data.ctrl
         ctrl[self.index.wrist_ctrl] = self.wrist_reference
-        ctrl[self.index.pressure_ctrl] = self.pneumatics.finger_pressures_pa_gauge(self.gas)
+        ctrl[self.index.pressure_ctrl] = self._next_pressures_pa_gauge()
         mujoco.mj_step(self.model, self.data)
+
+    def _next_pressures_pa_gauge(self) -> tuple[float, ...]:
+        """Step the gas and return the pressure in each finger (Pa), shape (5,)."""
+        if self.pneumatics is None or self.gas is None:
+            return spread_to_fingers(self.set_pressure_pa_gauge.tolist())
+        self.gas = self.pneumatics.step(self.gas, self.chamber_volumes_m3(), self.set_pressure_pa_gauge, self.dt)
+        return self.pneumatics.finger_pressures_pa_gauge(self.gas)
+
+    def pressure_pa_gauge(self) -> Vector:
+        """Present pressure of each element where its sensor sits (Pa), shape (3,)."""
+        if self.pneumatics is None or self.gas is None:
+            return np.array(self.set_pressure_pa_gauge)
+        return np.asarray(self.gas.pressure_pa_abs) - self.pneumatics.ambient_pa_abs
+
+    def reading_pa_gauge(self) -> Vector:
+        """Last reading of each element's sensor (Pa), shape (3,)."""
+        if self.pneumatics is None or self.gas is None:
+            return np.array(self.set_pressure_pa_gauge)
+        return np.asarray(self.gas.readings_pa_abs) - self.pneumatics.ambient_pa_abs
 
     def chamber_volumes_m3(self) -> Vector:
         """Volume of each finger's chamber without bulging, shape (5,): V(delta) at the tendon's present length."""

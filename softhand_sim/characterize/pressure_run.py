@@ -81,7 +81,6 @@ def run_schedule(
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT
     simulation = HandSimulation(model=model, calibration=calibration, pneumatics=pneumatics)
     simulation.reset(np.random.default_rng(seed), np.array([0.0, 0.0, 0.3, 0.0, 0.0, 0.0]))
-    ambient = np.array([element.ambient_pa_abs for element in pneumatics.elements])
     steps = round(pneumatics.tick_s / simulation.dt)
     rows: list[tuple[float, float, Vector, Vector, Vector]] = []
     valves: list[tuple[ValveCommand, ...]] = []
@@ -90,11 +89,10 @@ def run_schedule(
         for _ in range(round(stretch.duration_s / pneumatics.tick_s)):
             for _ in range(steps):
                 simulation.step()
-            gas = simulation.gas
-            pressure, reading = np.array(gas.pressure_pa_abs) - ambient, np.array(gas.readings_pa_abs) - ambient
+            pressure, reading = simulation.pressure_pa_gauge(), simulation.reading_pa_gauge()
             angle = np.degrees(simulation.tip_angles_rad())
             rows.append((float(simulation.data.time), stretch.set_pa_gauge, pressure, reading, angle))
-            valves.append(gas.valves)
+            valves.append(simulation.gas.valves if simulation.gas is not None else ())
     time, sets, pressures, readings, angles = (np.array(column) for column in zip(*rows, strict=True))
     return PressureRecord(
         time_s=time,

@@ -41,11 +41,7 @@ class Recorder:
             if touching.any():
                 self.deepest_m = max(self.deepest_m, -float(data.contact.dist[touching].min()))
         self.highest_lift_m = max(self.highest_lift_m, self.lift_m(simulation))
-        np.maximum(
-            self.peak_pressure_pa_gauge,
-            np.asarray(simulation.gas.pressure_pa_abs) - simulation.pneumatics.elements[0].ambient_pa_abs,
-            out=self.peak_pressure_pa_gauge,
-        )
+        np.maximum(self.peak_pressure_pa_gauge, simulation.pressure_pa_gauge(), out=self.peak_pressure_pa_gauge)
 
     def lift_m(self, simulation: HandSimulation) -> float:
         """Height (m) that the object has gained over its rest on the table."""

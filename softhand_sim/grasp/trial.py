@@ -3,10 +3,13 @@
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
 from softhand_sim.calibration import FingerCalibration
+from softhand_sim.effects import BENCH, Effects
+from softhand_sim.effects.build import apply_to_model, build_pneumatics
 from softhand_sim.elements import ELEMENTS
 from softhand_sim.grasp.place import place_object
 from softhand_sim.grasp.protocol import LiftProtocol
@@ -16,7 +19,8 @@ from softhand_sim.grasp.verdict import Outcome, Thresholds, judge
 from softhand_sim.hand.scene import EngineSettings, Scene, build_scene
 from softhand_sim.objects.mjcf import attach_object
 from softhand_sim.objects.model import ObjectModel
-from softhand_sim.simulation import HandSimulation, default_pneumatics
+from softhand_sim.pneumatics.system import PneumaticSystem
+from softhand_sim.simulation import HandSimulation
 
 # the sensor's and the controller's rate; the recorder samples at the same
 SAMPLE_S = 0.02
@@ -49,6 +53,7 @@ class TrialSetup:
     calibration: FingerCalibration
     scene: Scene
     plan: GraspPlan
+    pneumatics: PneumaticSystem | None
     protocol: LiftProtocol = field(default_factory=LiftProtocol)
     thresholds: Thresholds = field(default_factory=Thresholds)
 
@@ -59,14 +64,21 @@ def prepare(
     *,
     protocol: LiftProtocol | None = None,
     engine: EngineSettings | None = None,
+    effects: Effects = BENCH,
 ) -> TrialSetup:
     """Build the scene of an object and choose its grasp."""
-    scene = build_scene(calibration, engine=engine, add_object=lambda root: attach_object(root, model))
+
+    def add_object(root: Any) -> None:
+        apply_to_model(effects, root)
+        attach_object(root, model)
+
+    scene = build_scene(calibration, engine=engine, add_object=add_object)
     return TrialSetup(
         model=model,
         calibration=calibration,
         scene=scene,
         plan=plan_grasp(model),
+        pneumatics=build_pneumatics(effects, calibration),
         protocol=protocol or LiftProtocol(),
     )
 
@@ -83,9 +95,7 @@ def run_trial(setup: TrialSetup, seed: int, watch: Callable[[HandSimulation], No
     started = time.perf_counter()
     rng = np.random.default_rng(seed)
     offset = setup.protocol.draw_offset(rng)
-    simulation = HandSimulation(
-        model=setup.scene.model, calibration=setup.calibration, pneumatics=default_pneumatics(setup.calibration)
-    )
+    simulation = HandSimulation(model=setup.scene.model, calibration=setup.calibration, pneumatics=setup.pneumatics)
     simulation.reset(rng, setup.plan.standoff(setup.protocol.approach_m))
     place_object(simulation, setup.model.rest_height_m, offset)
     recorder = Recorder.of(simulation, setup.model.rest_height_m)

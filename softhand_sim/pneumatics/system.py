@@ -89,6 +89,11 @@ class PneumaticSystem:
         object.__setattr__(self, "_flow", flow)
         object.__setattr__(self, "_memory", len(self.controller.reset()))
 
+    @property
+    def ambient_pa_abs(self) -> npt.NDArray[np.float64]:
+        """Ambient pressure at each element [Pa abs], (3,)."""
+        return np.array([element.ambient_pa_abs for element in self.elements])
+
     def reset(self, volumes_m3: Values, rng: np.random.Generator, pressure_pa_gauge: float = 0.0) -> PneumaticState:
         """Return the state with every element at one gauge pressure and all valves shut; a tick is due.
 
