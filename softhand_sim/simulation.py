@@ -89,22 +89,26 @@ class HandSimulation:
 
     def step(self) -> None:
         """Advance by one time step of the engine."""
+        self.move_wrist()
+        ctrl = self.data.ctrl
+        ctrl[self.index.wrist_ctrl] = self.wrist_reference
+        ctrl[self.index.pressure_ctrl] = self._next_pressures_pa_gauge()
+        mujoco.mj_step(self.model, self.data)
+
+    def move_wrist(self) -> None:
+        """Move the wrist's reference towards its target, as far as it may get in one time step."""
         self.wrist_reference = limited_step(
             self.wrist_reference,
             self.wrist_target,
             self.anatomy.wrist_speed_m_per_s * self.dt,
             self.anatomy.wrist_rate_rad_per_s * self.dt,
         )
-        ctrl = self.data.ctrl
-        ctrl[self.index.wrist_ctrl] = self.wrist_reference
-        ctrl[self.index.pressure_ctrl] = self._next_pressures_pa_gauge()
-        mujoco.mj_step(self.model, self.data)
 
     def _next_pressures_pa_gauge(self) -> tuple[float, ...]:
         """Step the gas and return the pressure in each finger (Pa), shape (5,)."""
         if self.pneumatics is None or self.gas is None:
             return spread_to_fingers(self.set_pressure_pa_gauge.tolist())
-        self.gas = self.pneumatics.step(self.gas, self.chamber_volumes_m3(), self.set_pressure_pa_gauge, self.dt)
+        self.gas = self.pneumatics.step(self.gas, self._volumes_m3(), self.set_pressure_pa_gauge, self.dt)
         return self.pneumatics.finger_pressures_pa_gauge(self.gas)
 
     def pressure_pa_gauge(self) -> Vector:
@@ -121,9 +125,13 @@ class HandSimulation:
 
     def chamber_volumes_m3(self) -> Vector:
         """Volume of each finger's chamber without bulging, shape (5,): V(delta) at the tendon's present length."""
-        delta = np.asarray(self.data.ten_length[self.index.tendon])
+        return np.array(self._volumes_m3())
+
+    def _volumes_m3(self) -> list[float]:
         chamber = self.calibration.chamber
-        return np.asarray(chamber.volume_m3 + delta * (chamber.area_m2 + 0.5 * chamber.area_slope_m * delta))
+        volume, area, half_slope = chamber.volume_m3, chamber.area_m2, 0.5 * chamber.area_slope_m
+        # five plain numbers are quicker than arrays of five
+        return [volume + d * (area + half_slope * d) for d in self.data.ten_length[self.index.tendon].tolist()]
 
     @property
     def wrist_arrived(self) -> bool:

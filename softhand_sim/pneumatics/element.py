@@ -13,8 +13,8 @@ from softhand_sim.pneumatics.tube import Tubing, tube_volume_m3
 
 # For accuracy, not stability: parts of at most 4 % of the emptying time constant keep the first-order error
 # under 2 %. The default element takes a 20 ms step in one part.
-_LARGEST_PART = 0.04
-_MOST_PARTS = 10
+LARGEST_PART = 0.04
+MOST_PARTS = 10
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -120,7 +120,7 @@ class Element:
         ``fastest_kg_per_s_pa`` is the largest choked coefficient of the orifices in play.
         """
         capacity = (volume_m3 + self.dead_volume_m3) / self._rt
-        return min(max(math.ceil(dt * fastest_kg_per_s_pa / (capacity * _LARGEST_PART)), 1), _MOST_PARTS)
+        return min(max(math.ceil(dt * fastest_kg_per_s_pa / (capacity * LARGEST_PART)), 1), MOST_PARTS)
 
     def _stiff_volume_m3(self, volume_m3: float) -> float:
         """Return the volume that would be left at no pressure at all: V(p) is this and C p."""

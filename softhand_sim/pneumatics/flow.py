@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
+from softhand_sim.control.protocol import ValveCommand
 from softhand_sim.elements import FINGERS, FINGERS_OF_ELEMENT, sum_over_fingers
 from softhand_sim.pneumatics.element import Element
 from softhand_sim.pneumatics.leak import Leak
@@ -33,31 +34,39 @@ class Flow(NamedTuple):
     advance: Callable[[PneumaticState, Sequence[float], float], GasState]
 
 
-def lumped_flow(elements: tuple[Element, ...]) -> Flow:
-    """Return the flow of isothermal elements of one pressure each, on reservoirs, without leaks."""
+@dataclass(frozen=True, kw_only=True)
+class LumpedFlow:
+    """The flow of isothermal elements of one pressure each, on reservoirs, without leaks."""
 
-    def fill(volumes_m3: Sequence[float], pressures: Sequence[float]) -> GasState:
+    elements: tuple[Element, ...]
+
+    def flow(self) -> Flow:
+        """Return its three functions."""
+        return Flow(self.fill, self.read, self.advance)
+
+    def fill(self, volumes_m3: Sequence[float], pressures: Sequence[float]) -> GasState:
+        """Return gas at a pressure for each element [Pa abs]."""
         sums = sum_over_fingers(volumes_m3)
-        masses = tuple(e.mass_kg(p, v) for e, p, v in zip(elements, pressures, sums, strict=True))
+        masses = tuple(e.mass_kg(p, v) for e, p, v in zip(self.elements, pressures, sums, strict=True))
         return GasState(masses, tuple(pressures))
 
-    def read(state: PneumaticState, volumes_m3: Sequence[float]) -> list[float]:
+    def read(self, state: PneumaticState, volumes_m3: Sequence[float]) -> list[float]:
+        """Return the elements' pressures [Pa abs] at the present volumes, (3,)."""
         sums = sum_over_fingers(volumes_m3)
-        return [e.pressure_pa_abs(m, v) for e, m, v in zip(elements, state.mass_kg, sums, strict=True)]
+        return [e.pressure_pa_abs(m, v) for e, m, v in zip(self.elements, state.mass_kg, sums, strict=True)]
 
-    def step(state: PneumaticState, volumes_m3: Sequence[float], dt: float) -> GasState:
+    def advance(self, state: PneumaticState, volumes_m3: Sequence[float], dt: float) -> GasState:
+        """Return the gas after ``dt`` [s]."""
         masses: list[float] = []
         pressures: list[float] = []
         sums = sum_over_fingers(volumes_m3)
-        for element, mass, volume, valves in zip(elements, state.mass_kg, sums, state.valves, strict=True):
-            after = mass
-            if valves.inlet_open or valves.outlet_open:
-                after = element.step(mass, volume, valves.inlet_open, valves.outlet_open, dt)
+        for element, mass, volume, (inlet, outlet) in zip(
+            self.elements, state.mass_kg, sums, state.valves, strict=True
+        ):
+            after = element.step(mass, volume, inlet, outlet, dt) if inlet or outlet else mass
             masses.append(after)
             pressures.append(element.pressure_pa_abs(after, volume))
         return GasState(tuple(masses), tuple(pressures))
-
-    return Flow(fill, read, step)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -109,6 +118,8 @@ class NetworkFlow:
 
     def read(self, state: PneumaticState, volumes_m3: Sequence[float]) -> list[float]:
         """Return the manifolds' pressures [Pa abs] at the present volumes, (3,)."""
+        if state.chamber_mass_kg:  # a manifold behind tubes does not change its volume
+            return list(state.pressure_pa_abs)
         gas = _unpacked(state)
         return [vessels(e, gas[k], _of(volumes_m3, k))[0].pressure for k, e in enumerate(self.elements)]
 
@@ -116,16 +127,17 @@ class NetworkFlow:
         """Return the gas after ``dt`` [s], taken in as many parts as the fastest element wants."""
         gas, receiver = _unpacked(state), state.supply_mass_kg
         holes = [self._holes(k, state.time_s) for k in range(len(self.elements))]
-        parts = 1
-        for k, (element, valves) in enumerate(zip(self.elements, state.valves, strict=True)):
-            links = [hole for hole in holes[k] if hole is not None]
-            links += [element.inlet] if valves.inlet_open else []
-            links += [element.outlet] if valves.outlet_open else []
-            fastest = max((link.choked_coefficient_kg_per_s_pa for link in links), default=0.0)
-            parts = max(parts, element.parts(sum(_of(volumes_m3, k)), dt, fastest))
+        parts = max(
+            element.parts(sum(_of(volumes_m3, k)), dt, _fastest(element, valves, holes[k]))
+            for k, (element, valves) in enumerate(zip(self.elements, state.valves, strict=True))
+        )
         for _ in range(parts):
             gas, receiver = self._part(gas, receiver, state, holes, volumes_m3, dt / parts)
         return _packed(gas, receiver)
+
+    def open_leaks(self, time_s: tuple[float, ...]) -> list[Leak]:
+        """Return the leaks that have started."""
+        return [leak for leak in self.leaks if leak.start_s <= time_s[0] + 1e-9] if self.leaks else []
 
     def _part(
         self,
@@ -169,9 +181,17 @@ class NetworkFlow:
 
     def _holes(self, element: int, time_s: tuple[float, ...]) -> tuple[Orifice | None, ...]:
         """Return the open leak of each finger of an element, () if there is none."""
-        opened = {leak.finger: leak.orifice for leak in self.leaks if time_s and leak.start_s <= time_s[0] + 1e-9}
+        opened = {leak.finger: leak.orifice for leak in self.open_leaks(time_s)}
         found = tuple(opened.get(FINGERS[i]) for i in FINGERS_OF_ELEMENT[element])
         return found if any(found) else ()
+
+
+def _fastest(element: Element, valves: ValveCommand, holes: tuple[Orifice | None, ...]) -> float:
+    """Return the largest choked coefficient [kg/(s Pa)] of what is open."""
+    links = [hole for hole in holes if hole is not None]
+    links += [element.inlet] if valves.inlet_open else []
+    links += [element.outlet] if valves.outlet_open else []
+    return max((link.choked_coefficient_kg_per_s_pa for link in links), default=0.0)
 
 
 def _of(per_finger: Sequence[float], element: int) -> list[float]:

@@ -1,5 +1,6 @@
 """Pneumatics of the whole hand: three elements, their sensors, and a controller that runs at 50 Hz."""
 
+import importlib.util
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -13,8 +14,9 @@ from softhand_sim.control.protocol import Controller, ValveCommand, checked_answ
 from softhand_sim.elements import ELEMENTS, FINGERS, FINGERS_OF_ELEMENT, spread_to_fingers
 from softhand_sim.pneumatics.delay import ValveDelay, moved
 from softhand_sim.pneumatics.element import Element
-from softhand_sim.pneumatics.flow import Flow, NetworkFlow, lumped_flow
+from softhand_sim.pneumatics.flow import Flow, LumpedFlow, NetworkFlow
 from softhand_sim.pneumatics.leak import Leak
+from softhand_sim.pneumatics.noise import NumberedNoise
 from softhand_sim.pneumatics.sensor import PressureSensor
 from softhand_sim.pneumatics.state import PneumaticState
 from softhand_sim.pneumatics.supply import Supply
@@ -70,6 +72,7 @@ class PneumaticSystem:
     supply: Supply | None = None
     _flow: Flow = field(init=False, repr=False, compare=False)
     _memory: int = field(init=False, repr=False, compare=False)
+    _noise: NumberedNoise = field(init=False, repr=False, compare=False, default_factory=NumberedNoise)
 
     def __post_init__(self) -> None:
         if len(self.elements) != len(ELEMENTS):
@@ -83,9 +86,9 @@ class PneumaticSystem:
                 )
         featured = any(e.tubing is not None or e.thermal is not None for e in self.elements)
         if featured or self.leaks or self.supply is not None:
-            flow = NetworkFlow(elements=self.elements, leaks=self.leaks, supply=self.supply).flow()
+            flow = _network_flow(NetworkFlow(elements=self.elements, leaks=self.leaks, supply=self.supply))
         else:
-            flow = lumped_flow(self.elements)
+            flow = LumpedFlow(elements=self.elements).flow()
         object.__setattr__(self, "_flow", flow)
         object.__setattr__(self, "_memory", len(self.controller.reset()))
 
@@ -193,9 +196,8 @@ class PneumaticSystem:
         self._check_sets(sets)
         readings = tuple(self._flow.read(state, volumes))
         if self.sensor is not None:
-            # One stream per reset, addressed by the tick's number: a restored state repeats its noise.
-            stream = np.random.Generator(np.random.Philox(key=state.noise_seed, counter=state.ticks << 64))
-            noise: list[float] = stream.standard_normal(len(self.elements)).tolist()
+            # one stream per reset, addressed by the tick's number: a restored state repeats its noise
+            noise = self._noise.draw(state.noise_seed, state.ticks, len(self.elements))
             readings = tuple(self.sensor.read_pa_abs(p, draw) for p, draw in zip(readings, noise, strict=True))
         answer = self.controller.command(readings, sets, state.controller)
         valves, memory = checked_answer(type(self.controller).__name__, answer, self._memory)
@@ -218,6 +220,15 @@ class PneumaticSystem:
                     f"set_pa_gauge of {name} = {value!r}: must be in [0, {highest - element.ambient_pa_abs:g}] Pa "
                     f"({limit} ends there)"
                 )
+
+
+def _network_flow(network: NetworkFlow) -> Flow:
+    """Return the compiled flow where numba is installed, else the plain one: the same figures, slower."""
+    if importlib.util.find_spec("numba") is None:
+        return network.flow()
+    from softhand_sim.pneumatics.fast import CompiledFlow  # noqa: PLC0415 - numba is optional
+
+    return CompiledFlow(network=network).flow()
 
 
 def _later(state: PneumaticState, dt: float) -> PneumaticState:

@@ -11,6 +11,8 @@ from softhand_sim.control.protocol import ValveCommand
 from softhand_sim.elements import ELEMENT_OF_FINGER, FINGERS_OF_ELEMENT
 from softhand_sim.pneumatics.delay import ValveDelay
 from softhand_sim.pneumatics.element import Element
+from softhand_sim.pneumatics.fast import CompiledFlow
+from softhand_sim.pneumatics.flow import NetworkFlow
 from softhand_sim.pneumatics.leak import Leak
 from softhand_sim.pneumatics.orifice import Orifice
 from softhand_sim.pneumatics.supply import Supply
@@ -346,6 +348,23 @@ def test_any_step_of_any_system_stays_within_the_reservoirs(seed):
         if not moving:
             assert min(pressures) >= AMBIENT_PA_ABS * (1.0 - 1e-9)
             assert max(pressures) <= SUPPLY * (1.0 + 1e-9)
+
+
+@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("case", CASES)
+def test_compiled_and_plain_flow_agree(case, seed):
+    """One step from a random state, with both, so that neither chatter nor history hides a difference."""
+    system = make(Chatter(seed), **CASES[case])
+    network = NetworkFlow(elements=system.elements, leaks=system.leaks, supply=system.supply)
+    rng = np.random.default_rng(seed)
+    state = system.reset(breathing(0.0), rng)
+    for _ in range(10):
+        dt, volumes = float(rng.uniform(1e-4, 2e-2)), breathing(float(rng.uniform(0.0, 5.0)))
+        plain, fast = (flow.advance(state, volumes, dt) for flow in (network, CompiledFlow(network=network)))
+        for name, one, other in zip(plain._fields, plain, fast, strict=True):
+            np.testing.assert_allclose(other, one, rtol=1e-10, err_msg=name)
+        open_ = rng.random((3, 2)) < 0.4
+        state = state._replace(valves=tuple(ValveCommand(*row) for row in open_.tolist()), **plain._asdict())
 
 
 def test_without_resistance_heat_or_leak_the_network_is_the_lumped_element():
