@@ -72,6 +72,8 @@ class HandSimulation:
     def __post_init__(self) -> None:
         self.index = HandIndex.of(self.model)
         self.data = mujoco.MjData(self.model)
+        # a view of the engine's memory, which never moves: the attribute makes a new one each time
+        self._tendon_length_m = self.data.ten_length
         self.dt = float(self.model.opt.timestep)
 
     def reset(self, rng: np.random.Generator, wrist_pose: Vector) -> None:
@@ -131,7 +133,7 @@ class HandSimulation:
         chamber = self.calibration.chamber
         volume, area, half_slope = chamber.volume_m3, chamber.area_m2, 0.5 * chamber.area_slope_m
         # five plain numbers are quicker than arrays of five
-        return [volume + d * (area + half_slope * d) for d in self.data.ten_length[self.index.tendon].tolist()]
+        return [volume + d * (area + half_slope * d) for d in self._tendon_length_m[self.index.tendon].tolist()]
 
     @property
     def wrist_arrived(self) -> bool:

@@ -61,6 +61,7 @@ class Element:
     thermal: Polytropic | None = None
     _rt: float = field(init=False, repr=False, compare=False)
     _fastest: float = field(init=False, repr=False, compare=False)
+    _bulged: float = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         require_finite("dead_volume_m3", self.dead_volume_m3, at_least=0.0)
@@ -72,6 +73,7 @@ class Element:
                 f"dead_volume_m3 = {self.dead_volume_m3!r}: must hold the tubes' {self.tubing.volume_m3(1):g} m3"
             )
         object.__setattr__(self, "_rt", self.gas.rt_j_per_kg)
+        object.__setattr__(self, "_bulged", self.compliance_m3_per_pa * self.ambient_pa_abs)
         fastest = max(v.choked_coefficient_kg_per_s_pa for v in (self.inlet, self.outlet))
         object.__setattr__(self, "_fastest", fastest)
 
@@ -80,7 +82,7 @@ class Element:
 
         Root of ``p (V0 + C (p - p_ambient)) = m R T``, written so that no digits cancel.
         """
-        stiff, content = self._stiff_volume_m3(volume_m3), mass_kg * self._rt
+        stiff, content = volume_m3 + self.dead_volume_m3 - self._bulged, mass_kg * self._rt
         return 2.0 * content / (stiff + math.sqrt(stiff**2 + 4.0 * self.compliance_m3_per_pa * content))
 
     def mass_kg(self, pressure_pa_abs: float, volume_m3: float) -> float:
@@ -124,7 +126,7 @@ class Element:
 
     def _stiff_volume_m3(self, volume_m3: float) -> float:
         """Return the volume that would be left at no pressure at all: V(p) is this and C p."""
-        return volume_m3 + self.dead_volume_m3 - self.compliance_m3_per_pa * self.ambient_pa_abs
+        return volume_m3 + self.dead_volume_m3 - self._bulged
 
     def _solve(self, mass: float, volume_m3: float, inlet_open: bool, outlet_open: bool, dt: float) -> float:
         """Return the pressure [Pa abs] at a step's end."""

@@ -57,16 +57,13 @@ class LumpedFlow:
 
     def advance(self, state: PneumaticState, volumes_m3: Sequence[float], dt: float) -> GasState:
         """Return the gas after ``dt`` [s]."""
-        masses: list[float] = []
-        pressures: list[float] = []
-        sums = sum_over_fingers(volumes_m3)
-        for element, mass, volume, (inlet, outlet) in zip(
-            self.elements, state.mass_kg, sums, state.valves, strict=True
-        ):
-            after = element.step(mass, volume, inlet, outlet, dt) if inlet or outlet else mass
-            masses.append(after)
-            pressures.append(element.pressure_pa_abs(after, volume))
-        return GasState(tuple(masses), tuple(pressures))
+        masses, sums = state.mass_kg, sum_over_fingers(volumes_m3)
+        if any(map(any, state.valves)):
+            masses = tuple(
+                e.step(m, v, inlet, outlet, dt) if inlet or outlet else m
+                for e, m, v, (inlet, outlet) in zip(self.elements, masses, sums, state.valves, strict=True)
+            )
+        return GasState(masses, tuple(map(Element.pressure_pa_abs, self.elements, masses, sums)))
 
 
 @dataclass(frozen=True, kw_only=True)

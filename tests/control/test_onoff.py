@@ -75,6 +75,13 @@ def test_lookahead_reckons_with_the_whole_shortest_pulse():
     assert drive(controller, gauges, [30e3] * 9) == [FILL] * 6 + [SHUT, SHUT, FILL]
 
 
+def test_dead_time_is_looked_ahead_too():
+    """4 kPa a tick and half a tick of flow after the command: shut 6 kPa early, and no pulse that would pass."""
+    controller = OnOffController(dead_band_pa=500.0, dead_time_ticks=0.5)
+    gauges = [10e3, 12e3, 16e3, 20e3, 24e3, 26e3, 26e3, 25.9e3, 27.8e3, 29.8e3]
+    assert drive(controller, gauges, [30e3] * 10) == [FILL] * 4 + [SHUT] * 3 + [FILL, SHUT, SHUT]
+
+
 @pytest.mark.parametrize("lookahead", [True, False])
 def test_never_both_open(lookahead):
     rng = np.random.default_rng(0)
