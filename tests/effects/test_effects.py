@@ -144,6 +144,24 @@ def test_without_interference_no_pair_of_fingers_meets(calibration):
     assert run_trial(prepare(make_object("apple"), calibration, effects=effects), seed=0).outcome == "HELD"
 
 
+def test_without_interference_every_other_pair_may_still_meet(calibration):
+    """Bits of the compiled model: fingers with the table and with themselves, but not with one another."""
+    root = build_root(calibration)
+    apply_to_model(replace(BENCH, interference=None), root)
+    root.worldbody.add("geom", name="thing", type="sphere", size=(0.01,))
+    model = compile_scene(root).model
+    names = [model.geom(k).name for k in range(model.ngeom)]
+
+    def meets(one, other):
+        a, b = model.geom(one), model.geom(other)
+        return bool((a.contype & b.conaffinity) | (b.contype & a.conaffinity))
+
+    for one in names:
+        for other in names:
+            fingers = {name.split("_")[0] for name in (one, other)} & set(FINGERS)
+            assert meets(one, other) == (len(fingers) < 2), (one, other)
+
+
 def test_without_their_weight_fingers_bend_as_in_weightlessness(calibration):
     """Palm down in the air: the same angles as without gravity at all; and with it they hang lower."""
     ends = {}
