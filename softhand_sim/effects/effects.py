@@ -59,7 +59,7 @@ class Effects:
     gravity: FingerGravity | None = None
 
     def __post_init__(self) -> None:
-        lost = [name for name in self.present if ACTS_ON[name] in (ActsOn.FLOW, ActsOn.COMMAND)]
+        lost = [name for name in self.present if name in NEED_GAS]
         if self.gas is None and lost:
             raise ValueError(f"{lost[0]} = {getattr(self, lost[0])!r}: needs gas dynamics, gas is None")
         if self.leaks is not None and not self.leaks:
@@ -85,6 +85,9 @@ ACTS_ON: Mapping[str, ActsOn] = MappingProxyType(
     }
 )
 """Where each effect acts."""
+
+NEED_GAS = tuple(name for name, on in ACTS_ON.items() if on in (ActsOn.FLOW, ActsOn.COMMAND) and name != "gas")
+"""Effects that mean nothing without gas dynamics."""
 
 IDEAL = Effects()
 """Set pressures at once, fingers without weight that don't meet: the finger and the object alone."""

@@ -1,5 +1,6 @@
-"""Where an effect acts."""
+"""Where an effect acts, and what leaving it out would change."""
 
+from dataclasses import dataclass
 from enum import StrEnum
 
 
@@ -16,3 +17,22 @@ class ActsOn(StrEnum):
     COMMAND = "command"
     FLOW = "flow"
     TORQUE = "torque"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Estimate:
+    """What leaving one effect out would change.
+
+    Attributes
+    ----------
+    own_deg
+        Largest change of a tip angle that is the effect's own [deg]; infinite if it cannot be told.
+    redraws
+        Whether leaving it out also makes the controller stop at another place in its band, as any small change does.
+    reason
+        In words.
+    """
+
+    own_deg: float
+    redraws: bool
+    reason: str

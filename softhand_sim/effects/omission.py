@@ -7,8 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softhand_sim.calibration import FingerCalibration
-from softhand_sim.effects.effects import ACTS_ON, Effects
-from softhand_sim.effects.kind import ActsOn
+from softhand_sim.effects.effects import NEED_GAS, Effects
 from softhand_sim.grasp.trial import TrialResult, prepare, run_trial
 from softhand_sim.objects.model import ObjectModel
 from softhand_sim.simulation import HandSimulation
@@ -50,7 +49,7 @@ def without_each(effects: Effects) -> Mapping[str, Effects]:
     for name in effects.present:
         names = {name}
         if name == "gas":
-            names |= {other for other, on in ACTS_ON.items() if on in (ActsOn.FLOW, ActsOn.COMMAND)}
+            names |= set(NEED_GAS)
         gone[name] = replace(effects, **dict.fromkeys(names))
     if effects.sensor is not None:
         louder = replace(effects.sensor, noise_v=_NOISE_CHANGE * effects.sensor.noise_v)
