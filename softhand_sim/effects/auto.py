@@ -97,8 +97,11 @@ def choose(
             error = _together(scene, [estimates[n] for n in (*gone, name)])
             if error <= tolerance.angle_deg and arm * math.radians(error) <= tolerance.slip_m:
                 gone.append(name)
-    answers = [Answer(name=n, active=False, reason="not offered", omission_error_deg=0.0, omission_error_m=0.0)
-               for n in QUESTIONS if n not in estimates]  # fmt: skip
+    answers = [
+        Answer(name=name, active=False, reason=_absent(name), omission_error_deg=0.0, omission_error_m=0.0)
+        for name in QUESTIONS
+        if name not in estimates
+    ]
     for name, estimate in estimates.items():
         error = _together(scene, [estimate])
         reason = estimate.reason if name not in forced else f"forced; {estimate.reason}"
@@ -113,6 +116,10 @@ def choose(
         )
     order = list(QUESTIONS)
     return replace(scene.offered, **dict.fromkeys(gone)), tuple(sorted(answers, key=lambda a: order.index(a.name)))
+
+
+def _absent(name: str) -> str:
+    return "no leak is declared" if name == "leaks" else "not offered"
 
 
 def _together(scene: SceneFacts, estimates: list[Estimate]) -> float:

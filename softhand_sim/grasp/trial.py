@@ -9,7 +9,9 @@ import numpy as np
 
 from softhand_sim.calibration import FingerCalibration
 from softhand_sim.effects import BENCH, Effects
+from softhand_sim.effects.auto import Answer, choose
 from softhand_sim.effects.build import apply_to_model, build_pneumatics
+from softhand_sim.effects.scene import SceneFacts, Tolerance
 from softhand_sim.elements import ELEMENTS
 from softhand_sim.grasp.place import place_object
 from softhand_sim.grasp.protocol import LiftProtocol
@@ -56,6 +58,7 @@ class TrialSetup:
     pneumatics: PneumaticSystem | None
     protocol: LiftProtocol = field(default_factory=LiftProtocol)
     thresholds: Thresholds = field(default_factory=Thresholds)
+    answers: tuple[Answer, ...] = ()
 
 
 def prepare(
@@ -65,8 +68,16 @@ def prepare(
     protocol: LiftProtocol | None = None,
     engine: EngineSettings | None = None,
     effects: Effects = BENCH,
+    tolerance: Tolerance | None = None,
 ) -> TrialSetup:
-    """Build the scene of an object and choose its grasp."""
+    """Build the scene of an object and choose its grasp.
+
+    With a tolerance, effects that the scene does not call for are left out (`choose`), and `TrialSetup.answers` says
+    why.
+    """
+    answers: tuple[Answer, ...] = ()
+    if tolerance is not None:
+        effects, answers = choose(SceneFacts.of(model, calibration, effects, protocol), tolerance)
 
     def add_object(root: Any) -> None:
         apply_to_model(effects, root)
@@ -80,6 +91,7 @@ def prepare(
         plan=plan_grasp(model),
         pneumatics=build_pneumatics(effects, calibration),
         protocol=protocol or LiftProtocol(),
+        answers=answers,
     )
 
 

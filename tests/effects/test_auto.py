@@ -10,10 +10,12 @@ import pytest
 from scripts.explain_scene import main
 from softhand_sim.effects import BENCH, FULL, IDEAL
 from softhand_sim.effects.auto import QUESTIONS, choose
+from softhand_sim.effects.build import build_pneumatics
 from softhand_sim.effects.effects import ACTS_ON
 from softhand_sim.effects.gas import GasDynamics
 from softhand_sim.effects.omission import grasp, omission, without_each
 from softhand_sim.effects.scene import SceneFacts, Tolerance
+from softhand_sim.grasp.trial import prepare
 from softhand_sim.objects.catalogue import make_object
 from softhand_sim.pneumatics.leak import Leak
 from softhand_sim.pneumatics.orifice import Orifice
@@ -47,6 +49,14 @@ def test_no_tolerance_leaves_out_only_what_does_nothing(apple):
     assert effects == FULL
     assert not by_name(answers)["leaks"].active
     assert by_name(answers)["leaks"].omission_error_deg == 0.0
+    assert by_name(answers)["leaks"].reason == "no leak is declared"
+
+
+def test_a_trial_prepared_with_a_tolerance_has_the_chosen_effects(apple, calibration):
+    setup = prepare(make_object("apple"), calibration, effects=FULL, tolerance=WIDE)
+    effects, answers = choose(apple, WIDE)
+    assert setup.answers == answers
+    assert setup.pneumatics == build_pneumatics(effects, calibration)
 
 
 def test_wide_tolerance_leaves_the_gas_and_what_cannot_be_told(apple):
