@@ -16,9 +16,10 @@ from fea.compiled import kernel_name
 from fea.exoskeleton import LOADS_N, ExoskeletonResult
 from fea.finger import CONTACT, MESHES, FingerResult
 from fea.geometry import JOINT_NAMES, choices
+from fea.identification import fitted_rows
 from fea.linear_solver import solver_name
 
-SCHEMA, SCHEMA_VERSION = "softhand-sim/finger-calibration", 2
+SCHEMA, SCHEMA_VERSION = "softhand-sim/finger-calibration", 3
 CURVE_PRESSURES_PA_GAUGE = tuple(2500.0 * k for k in range(33))
 """Pressures of the curve; those above what the complete finger reached are left out."""
 DAMPING_RATIO = 0.5
@@ -28,7 +29,7 @@ DAMPING_RATIO = 0.5
 def artifact(c: Calibration) -> dict[str, Any]:
     """Return the calibration file's contents; deterministic, SI units, JSON ready."""
     s = c.fit.surrogate
-    pressures = [p for p in CURVE_PRESSURES_PA_GAUGE if p <= c.finger.pressure_pa_gauge[-1]]
+    pressures = [p for p in CURVE_PRESSURES_PA_GAUGE if p <= c.finger.pressure_pa_gauge.max()]
     curve = np.rad2deg([s.angles(p) for p in pressures])
     return {
         "schema": SCHEMA,
@@ -44,13 +45,14 @@ def artifact(c: Calibration) -> dict[str, Any]:
         "joints": [
             {
                 "name": name,
-                "offset_m": offset,
+                "offset_m": s.arm.offset_m,
+                "offset_slope_m_per_rad": s.arm.offset_slope_m_per_rad,
                 "stiffness_n_m_per_rad": law.a,
                 "stiffness_n_m_per_rad2": law.b,
                 "stiffness_n_m_per_rad3": law.c,
                 "damping_n_m_s_per_rad": d,
             }
-            for name, offset, law, d in zip(JOINT_NAMES, s.offset_m, s.joints, joint_damping(c), strict=True)
+            for name, law, d in zip(JOINT_NAMES, s.joints, joint_damping(c), strict=True)
         ],
         "tendon": {
             "stiffness_n_per_m": s.tendon.a,
@@ -58,6 +60,7 @@ def artifact(c: Calibration) -> dict[str, Any]:
             "stiffness_n_per_m3": s.tendon.c,
         },
         "chamber": asdict(s.chamber),
+        "sliding": asdict(s.sliding),
         "curve": {
             "pressure_pa_gauge": pressures,
             "tip_angle_deg": curve.sum(axis=1).tolist(),
@@ -125,6 +128,8 @@ def _exoskeleton_table(x: ExoskeletonResult) -> dict[str, Any]:
 
 def _finger_table(f: FingerResult) -> dict[str, Any]:
     return {
+        "branch": list(f.branch),
+        "fitted": fitted_rows(f).tolist(),
         "pressure_pa_gauge": f.pressure_pa_gauge.tolist(),
         "joint_angle_rad": f.joint_angle_rad.tolist(),
         "tip_angle_rad": f.tip_angle_rad.tolist(),
@@ -168,10 +173,14 @@ def _provenance(c: Calibration) -> dict[str, Any]:
             "load_place": "dead force spread over the distal joint's flexure",
             "thrust_area": "A + B delta is dV/d(delta) at constant pressure; the bulging between the rings, C p with "
             "one C, takes gas and does no work on the finger",
-            "offset": "one constant arm for three joints, least squares on the lengthening that the finger's chamber "
-            "volume shows (fit_rmse.finger_lengthening_m); it grows with the angle, which the torque laws absorb",
+            "offset": "arm common to the joints, that of a line through two points: least squares on the lengthening "
+            "that the finger's chamber volume shows (fit_rmse.finger_lengthening_m)",
             "joints": "torque of the thrust at the angles of the complete finger, loading with friction: the "
             "flexure alone plus a monotone law for the actuator's share",
+            "sliding": "friction of the actuator in the exoskeleton, a share of the thrust for each radian of bending, "
+            "from the pressures at which the finger stands at the same angle on both ways",
+            "fitted_states": "every second one of the complete finger on each way, from its last (fea.finger.fitted); "
+            "fit_rmse.finger_joint_angle_rad, finger_tip_angle_rad and finger_volume_m3 are over the others, loading",
             "hinge": "hinge_offset_m is the flexure's own arm (the tube's axis), not that of the thrust",
             "damping": f"damping ratio {DAMPING_RATIO} of each joint with the finger beyond it as a rod",
         },

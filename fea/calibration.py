@@ -16,8 +16,12 @@ from fea.materials import Material, load_material
 
 TARGET_TIP_ANGLE_DEG, TARGET_PRESSURE_PA_GAUGE = 95.0, 75e3
 """The one stated angle: Alves et al., section 4.2."""
-FINGER_PRESSURES_PA_GAUGE = tuple(1e3 * p for p in (1.5, 3.75, 7, 12, 19.5, 27.5, 35.5, 43.5, 51.5, 59.5, 67.5, 75, 80))
-"""Choice: load steps that the solver takes by itself, so that none is cut short."""
+FINGER_PRESSURES_PA_GAUGE = tuple(1e3 * p for p in range(5, 85, 5))
+"""Choice: the fit takes every second one, from the last; 75 kPa is among those that it never sees."""
+UNLOAD_TO_PA_GAUGE = 40e3
+"""Choice: the way back on which friction is identified; the slip has turned everywhere by 65 kPa, and below 40 kPa the
+loop is narrow."""
+FINGER_PATH = FingerPath(FINGER_PRESSURES_PA_GAUGE, unload=True, unload_to_pa_gauge=UNLOAD_TO_PA_GAUGE)
 NARROWEST_DEG, WIDEST_DEG = 40.0, 88.0
 """Choice: half angles of the palm sector that leave a flexure and a gap."""
 CLOSE_DEG, ACCEPTED_DEG = 0.1, 0.5
@@ -96,7 +100,7 @@ def complete(
     exoskeleton = analyse_exoskeleton(model, geometry, materials.tpu, progress=progress)
     shell = 2.0 * float(model.weights.sum()) * materials.tpu.density_kg_m3
     whole = _finger_model(geometry, materials, density)
-    finger = analyse_finger(whole, geometry, FingerPath(FINGER_PRESSURES_PA_GAUGE), progress=progress)
+    finger = analyse_finger(whole, geometry, FINGER_PATH, progress=progress)
     return Calibration(
         geometry=geometry,
         materials=materials,

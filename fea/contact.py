@@ -1,9 +1,10 @@
-"""Normal contact: Incremental Potential Contact (Li et al. 2020, ACM Trans. Graph. 39(4)) through ipctk.
+"""Contact of facets that never touch: Incremental Potential Contact (Li et al. 2020, ACM Trans. Graph. 39(4)).
 
 A barrier on the distance of the surfaces' linear facets keeps every state free of penetration: its energy grows
 without bound as a gap closes and is zero beyond the activation distance. Six-node faces are split into four facets
 through their mid-edge nodes, so that contact acts on the nodes of the mesh itself; a three-node face is one. ipctk is
-an optional dependency. Friction is in :mod:`fea.tangential` and :mod:`fea.friction`.
+an optional dependency. Friction is in :mod:`fea.tangential` and :mod:`fea.friction`. The finger is analysed with
+:mod:`fea.segment_contact`; this is the second opinion, and the choice where nothing may overlap.
 """
 
 import importlib
@@ -148,6 +149,10 @@ class SurfaceContact:
 
     def held(self, _u_m: F64, /) -> "SurfaceContact":
         """Return itself: its forces have an energy."""
+        return self
+
+    def following(self, _u_m: F64, /) -> "SurfaceContact":
+        """Return itself: it finds its pairs anew in every state."""
         return self
 
     def step_bound(self, u_m: F64, trial_m: F64) -> float:

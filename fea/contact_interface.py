@@ -43,6 +43,10 @@ class Contact(Protocol):
         """Return the contact that has an energy and these forces at u: friction with the normal forces of u."""
         ...
 
+    def following(self, u_m: F64, /) -> "Contact":
+        """Return the contact of the next load step, after converging at u."""
+        ...
+
     def step_bound(self, u_m: F64, trial_m: F64) -> float:
         """Return the fraction in [0, 1] of the straight way from u to the trial on which nothing touches."""
         ...

@@ -8,18 +8,20 @@ import numpy as np
 from fea.actuator import RING, SILICONE, ActuatorMesh, actuator_lattice, chamber_cavity
 from fea.arrays import F64, I64
 from fea.assembly import SolidModel
-from fea.contact import ContactOptions, SurfaceContact
 from fea.cost import NO_COST, Cost
 from fea.exoskeleton import ExoskeletonMesh, exoskeleton_lattice, section_motions
 from fea.finger_path import FingerPath
 from fea.friction import Together, accumulated_slip_m
+from fea.gap_law import ByRegion, NoSeparation, Unilateral
 from fea.geometry import FingerGeometry
-from fea.lattice import VOID, Lattice, build_mesh, free_faces, symmetry_nodes
+from fea.lattice import VOID, Lattice, SolidMesh, build_mesh, free_faces, symmetry_nodes
 from fea.load import Load
 from fea.materials import Material
 from fea.meshes import linear_mesh
 from fea.newton import NewtonOptions, Status
 from fea.path import Sweep, follow
+from fea.segment_contact import SegmentOptions
+from fea.surface_contact import AnyOptions, AnySurfaces, surface_contact
 from fea.tip_wall import TipWall
 
 TPU = 2
@@ -28,7 +30,9 @@ PRESSURES_PA_GAUGE = tuple(1e3 * p for p in (2, 5, 10, 15, 22.5, 30, 37.5, 45, 5
 
 FRICTION = 0.3
 """Choice: Coulomb's coefficient of silicone on printed TPU; no measured value was found."""
-CONTACT = ContactOptions(friction=FRICTION, count_once=True)
+CONTACT = SegmentOptions(law=Unilateral(stiffness_pa=1e5, distance_m=0.1e-3), reach_m=1.5e-3, friction=FRICTION)
+"""Choices: the surfaces begin to push at half the clearance and touch at 100 kPa; within reach is what may meet in one
+load step."""
 
 FIRST_STEP_PA, LARGEST_STEP_PA = 1.5e3, 8e3
 """Choices: steps of 8 kPa take 7 to 11 iterations with friction (measured); the first ones meet the contact."""
@@ -74,7 +78,7 @@ class FingerModel:
     """The solid half model and the contact between its two parts."""
 
     solid: SolidModel
-    contact: SurfaceContact
+    contact: AnySurfaces
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -95,7 +99,7 @@ class FingerResult:
     volume_m3 : array [n]
         Volume of the chamber.
     minimum_gap_m : array [n]
-        Smallest distance of the surfaces; never zero, and ``inf`` where it exceeds the clearance.
+        Smallest gap of the surfaces, ``inf`` where it exceeds the clearance; negative where they overlap.
     contact_force_n : array [n]
         Sum over the actuator's nodes of the magnitude of the contact's forces.
     contact_pressure_pa, slip_m : arrays [n]
@@ -149,10 +153,14 @@ def finger_model(
     tpu: Material,
     mesh: FingerMesh,
     *,
-    contact: ContactOptions = CONTACT,
+    contact: AnyOptions = CONTACT,
+    no_separation: bool = False,
     formulation: str = "P2",
 ) -> FingerModel:
     """Build the half model: both parts fixed on z = 0, end plate bonded to the cap, contact everywhere else.
+
+    With ``no_separation`` the actuator slides in the tube's sections without leaving their walls, as in six of the
+    paper's ten regions of contact; at the joints it may separate. Choice, as the paper's figure is not available.
 
     ``formulation`` is "P2", curved ten-node tetrahedra with one dilatation each, or "P1", linear ones over the same
     vertices, which lock when nearly incompressible and whose chords make walls and chamber smaller.
@@ -168,10 +176,32 @@ def finger_model(
     laws = {SILICONE: silicone.law, RING: pet.law, TPU: tpu.law}
     solid = SolidModel(mesh=body, laws=dict(laws), fixed=fixed, cavity=chamber_cavity(body, geometry))
     outer = free_faces(body, lambda c: np.isclose(c[..., 0], geometry.actuator_outer_radius_m, rtol=0.0, atol=1e-9))
+    tube = _tube_faces(solid, geometry)
     return FingerModel(
         solid=solid,
-        contact=SurfaceContact(body, outer, _tube_faces(solid, geometry), contact),
+        contact=surface_contact(
+            body, outer, tube, _with_regions(contact, body, tube, geometry) if no_separation else contact
+        ),
     )
+
+
+def _with_regions(options: AnyOptions, mesh: SolidMesh, tube: I64, geometry: FingerGeometry) -> SegmentOptions:
+    """Return settings under which the inner faces of the tube's sections hold the actuator at its clearance.
+
+    Raises
+    ------
+    ValueError
+        If the settings are not those of a contact over segments that may separate.
+    """
+    if not isinstance(options, SegmentOptions) or not isinstance(options.law, Unilateral):
+        raise ValueError(f"contact = {options}: regions need segments with a unilateral law")
+    law, g = options.law, geometry
+    r, _, z = np.moveaxis(mesh.cylindrical[tube], -1, 0)
+    inner = np.isclose(r, g.tube_inner_radius_m, rtol=0.0, atol=1e-9).all(axis=1)
+    middle = z.mean(axis=1)
+    in_gap = np.any([(middle > start) & (middle < start + g.gap_length_m) for start in g.gap_start_m], axis=0)
+    holds = NoSeparation(stiffness_pa=law.stiffness_pa, distance_m=law.distance_m, gap_m=g.clearance_m)
+    return replace(options, law=ByRegion(laws=(law, holds), region=(inner & ~in_gap).astype(np.int64)))
 
 
 def analyse_finger(

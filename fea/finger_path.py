@@ -10,20 +10,26 @@ PA_PER_N = 1e5
 
 @dataclass(frozen=True)
 class FingerPath:
-    """Gauge pressures up; with ``unload`` down again to zero; or tip loads up at the last pressure.
+    """Gauge pressures up; with ``unload`` down again to ``unload_to_pa_gauge``; or tip loads up at the last pressure.
 
     Raises
     ------
     ValueError
-        If pressures or loads do not increase, or both ``unload`` and ``tip_loads_n`` are given.
+        If pressures or loads do not increase, both ``unload`` and ``tip_loads_n`` are given, or the way back ends
+        above the last pressure.
     """
 
     pressures_pa_gauge: tuple[float, ...]
     unload: bool = False
     tip_loads_n: tuple[float, ...] = ()
+    unload_to_pa_gauge: float = 0.0
 
     def __post_init__(self) -> None:
         check_pressures(self.pressures_pa_gauge)
+        if not 0.0 <= self.unload_to_pa_gauge < self.pressures_pa_gauge[-1]:
+            raise ValueError(
+                f"unload_to_pa_gauge = {self.unload_to_pa_gauge:g} must lie in [0, {self.pressures_pa_gauge[-1]:g})"
+            )
         if self.tip_loads_n:
             check_loads(self.tip_loads_n)
         if self.unload and self.tip_loads_n:
@@ -34,7 +40,8 @@ class FingerPath:
         """Parameters at which states are asked for."""
         up = list(self.pressures_pa_gauge)
         if self.unload:
-            return [*up, *(2.0 * up[-1] - p for p in (*up[-2::-1], 0.0))]
+            down = [p for p in up[-2::-1] if p > self.unload_to_pa_gauge]
+            return [*up, *(2.0 * up[-1] - p for p in (*down, self.unload_to_pa_gauge))]
         return [*up, *(up[-1] + PA_PER_N * load for load in self.tip_loads_n)]
 
     def pressure(self, parameter: float) -> float:

@@ -19,10 +19,10 @@ import numpy as np
 import scipy.sparse as sp
 
 from fea.arrays import F64
-from fea.contact import SurfaceContact
 from fea.contact_interface import Contact, ContactState
 from fea.load import Load
 from fea.newton import NewtonOptions, Outcome, solve_equilibrium
+from fea.surface_contact import AnySurfaces
 from fea.tangential import TangentialPairs
 from fea.workspace import Workspace
 
@@ -36,19 +36,19 @@ class FrictionalContact:
 
     Attributes
     ----------
-    surfaces : SurfaceContact
+    surfaces : SurfaceContact or SegmentContact
     anchor_m : array [n_nodes, 3]
         Displacement from which slip counts: that of the last converged step less the elastic slip.
     pairs : TangentialPairs or None
         Frozen normal forces and tangent planes; None: those of the displacement that is evaluated.
     """
 
-    surfaces: SurfaceContact
+    surfaces: AnySurfaces
     anchor_m: F64
     pairs: TangentialPairs | None = None
 
     def evaluate(self, u_m: F64, *, project: bool = True) -> ContactState:
-        """Return forces and Hessian of barrier and friction.
+        """Return forces and Hessian of normal contact and friction.
 
         Newton's own tangent of friction is nothing where all slides: it takes the fewest iterations (2 where each
         pair's secant takes 7), and where it leads up the energy ``project`` gives the secant instead.
@@ -59,7 +59,7 @@ class FrictionalContact:
         return ContactState(force_n=normal.force_n + pairs.force_n(slip), hessian=sp.csr_array(hessian))
 
     def force_n(self, u_m: F64) -> F64:
-        """Return the forces of barrier and friction [n_nodes, 3]."""
+        """Return the forces of normal contact and friction [n_nodes, 3]."""
         return self.surfaces.force_n(u_m) + self.friction_force_n(u_m)
 
     def energy(self, u_m: F64) -> float:
@@ -78,9 +78,10 @@ class FrictionalContact:
         """Return friction's part of the forces [n_nodes, 3]."""
         return self._pairs(u_m).force_n(u_m - self.anchor_m)
 
-    def advanced(self, u_m: F64) -> "FrictionalContact":
+    def following(self, u_m: F64, /) -> "FrictionalContact":
         """Return the contact of the next step after converging at u."""
-        return replace(self, anchor_m=u_m - self.elastic_slip_m(u_m), pairs=None)
+        anchor = u_m - self.elastic_slip_m(u_m)
+        return replace(self, surfaces=self.surfaces.following(u_m), anchor_m=anchor, pairs=None)
 
     def elastic_slip_m(self, u_m: F64) -> F64:
         """Return the slip that stays elastic [n_nodes, 3]: half on each side, opposite, no longer than the length.
@@ -97,7 +98,7 @@ class FrictionalContact:
         return self.surfaces.friction_pairs(u_m) if self.pairs is None else self.pairs
 
 
-def accumulated_slip_m(surfaces: SurfaceContact, states_m: Sequence[F64]) -> F64:
+def accumulated_slip_m(surfaces: AnySurfaces, states_m: Sequence[F64]) -> F64:
     """Return how far each node of the first surface slid along the other one while they touched [n_first].
 
     ``states_m`` are the converged displacements of a path in order, the unloaded one first. Works without friction too.
@@ -135,6 +136,10 @@ class Together:
         """Return the contacts held."""
         return Together(parts=tuple(part.held(u_m) for part in self.parts))
 
+    def following(self, u_m: F64, /) -> "Together":
+        """Return the contacts of the next step."""
+        return Together(parts=tuple(part.following(u_m) for part in self.parts))
+
     def step_bound(self, u_m: F64, trial_m: F64) -> float:
         """Return the smallest fraction."""
         return min(part.step_bound(u_m, trial_m) for part in self.parts)
@@ -142,23 +147,17 @@ class Together:
 
 def begin(contact: Contact | None, u_m: F64) -> Contact | None:
     """Return the contact of the first step from u; the same object where there is no friction."""
-    if isinstance(contact, SurfaceContact) and contact.options.friction > 0.0:
+    if isinstance(contact, Together):
+        parts = [begin(part, u_m) for part in contact.parts]
+        return Together(parts=tuple(part for part in parts if part is not None))
+    if isinstance(contact, AnySurfaces) and contact.options.friction > 0.0:
         return FrictionalContact(surfaces=contact, anchor_m=u_m)
-    return _each(contact, lambda part: begin(part, u_m))
+    return contact
 
 
 def advance(contact: Contact | None, u_m: F64) -> Contact | None:
-    """Return the contact of the next step after converging at u; the same object where there is no friction."""
-    if isinstance(contact, FrictionalContact):
-        return contact.advanced(u_m)
-    return _each(contact, lambda part: advance(part, u_m))
-
-
-def _each(contact: Contact | None, change: Callable[[Contact], Contact | None]) -> Contact | None:
-    if not isinstance(contact, Together):
-        return contact
-    parts = [change(part) for part in contact.parts]
-    return Together(parts=tuple(part for part in parts if part is not None))
+    """Return the contact of the next step after converging at u, if there is one."""
+    return None if contact is None else contact.following(u_m)
 
 
 def _has_friction(contact: Contact | None) -> bool:

@@ -7,7 +7,7 @@ Four things make it converge where stiff rings turn far in one step (figures in 
 - the tangent belongs to the load that the stresses balance. The stiffness of a follower pressure that the walls do not
   carry yet is that of a strut about to buckle, so the load moves on with the step that brings the stresses there;
 - while it moves on, a step is taken in the share that leaves less than the load out of balance;
-- then a search on the energy keeps steps from going deep into a contact's barrier.
+- then a search on the energy keeps steps from going deep into a contact.
 """
 
 from collections.abc import Callable
@@ -31,7 +31,7 @@ _ROUNDING = 1e-12
 """Choice: share of the energy by which rounding may hide a decrease."""
 _SEARCH_HALVINGS = 10
 _OVERSHOT = 1.0
-"""Choice: relative imbalance beyond which a step has run into a barrier. Steps that go well leave less than 0.7 on the
+"""Choice: relative imbalance beyond which a step has run into a contact. Steps that go well leave less than 0.7 on the
 finger; after those that left 1.7 to 30 Newton's method failed or took many small steps back."""
 HOPELESS = 0.3
 """Choice: of the finger's load steps one was seen to converge that still had this residual after 8 iterations."""
@@ -165,7 +165,8 @@ class _Solve:
             if moved is None:
                 return Outcome(status=Status.STALLED, u_m=u, iterations=iteration + 1, residual=relative)
             u, energy = moved.u_m, moved.energy_j
-            carried = self.load if moved.share > _WHOLE else carried.towards(self.load, moved.share)
+            if carried is not self.load:
+                carried = self.load if moved.share > _WHOLE else carried.towards(self.load, moved.share)
         return Outcome(status=Status.STALLED, u_m=u, iterations=iteration, residual=relative)
 
     def _system(self, u: F64, state: Evaluation, tangent: sp.csr_array, *, settled: bool) -> tuple[F64, sp.csr_array]:

@@ -11,7 +11,6 @@ from fea.arrays import F64
 from fea.assembly import SolidModel
 from fea.checkpoint import code_version
 from fea.compiled import kernel_name
-from fea.contact import ContactOptions
 from fea.density import Density
 from fea.exoskeleton import analyse_exoskeleton, exoskeleton_model
 from fea.fields import node_strain, point_positions, von_mises_fields
@@ -41,15 +40,18 @@ class FingerCase:
         Increasing loads on the tip at the last pressure, instead of the way back.
     sensor_distance_m : float or None
         Distance of a wall in front of the tip; None: the tip is free.
+    no_separation : bool
+        The actuator does not leave the walls of the tube's sections.
     """
 
     friction: float = FRICTION
     unload: bool = True
     tip_loads_n: tuple[float, ...] = ()
     sensor_distance_m: float | None = None
+    no_separation: bool = False
 
     def __post_init__(self) -> None:
-        ContactOptions(friction=self.friction)
+        replace(CONTACT, friction=self.friction)
         if self.sensor_distance_m is not None and not 0.0 < self.sensor_distance_m < 0.2:
             raise ValueError(f"sensor_distance_m = {self.sensor_distance_m} must lie in (0, 0.2) m")
         self.path((1.0,))
@@ -173,7 +175,9 @@ def finger_study(setup: Setup, pressures_pa_gauge: Sequence[float], sweep: Sweep
     case, g = setup.finger, setup.geometry
     contact = replace(CONTACT, friction=case.friction)
     mesh = FINGER_MESHES[setup.density.name]
-    model = finger_model(g, setup.silicone, setup.pet, setup.tpu, mesh, contact=contact)
+    model = finger_model(
+        g, setup.silicone, setup.pet, setup.tpu, mesh, contact=contact, no_separation=case.no_separation
+    )
     wall = None
     if case.sensor_distance_m is not None:
         wall = tip_wall(model.solid.mesh, g, distance_m=case.sensor_distance_m)

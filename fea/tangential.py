@@ -1,8 +1,8 @@
 """Pairs of facets that rub: Coulomb's law with a smooth beginning, for all pairs at once.
 
-The normal forces and tangent planes come from :class:`fea.contact.SurfaceContact`; they are constants here. ipctk has
-the same forces, which the tests compare; here the tangent of each pair can also be its secant, and the mean slip of a
-node is at hand.
+The normal forces and tangent planes come from the contact of two surfaces; they are constants here. ipctk has the same
+forces for its own pairs, which the tests compare; here the tangent of each pair can also be its secant, and the mean
+slip of a node is at hand.
 """
 
 from dataclasses import dataclass
@@ -12,6 +12,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from fea.arrays import F64, I64
+from fea.blocks import upper_sum
 
 _TINY_M = 1e-300
 
@@ -26,10 +27,12 @@ class TangentialPairs:
 
     Attributes
     ----------
-    nodes : array [n, 4]
+    nodes : array [n, k]
         Nodes of each pair; those that it does not need have weight zero.
-    weight : array [n, 4]
-        c: positive on one surface, negative on the other, each side adding up to one.
+    weight : array [n, k]
+        c: adding up to one on one surface and to minus one on the other.
+    side : array [n, k]
+        1 on the one surface, -1 on the other.
     plane : array [n, 3, 2]
         T: two orthogonal unit vectors of the tangent plane.
     limit_n : array [n]
@@ -40,6 +43,7 @@ class TangentialPairs:
 
     nodes: I64
     weight: F64
+    side: F64
     plane: F64
     limit_n: F64
     length_m: float
@@ -72,12 +76,9 @@ class TangentialPairs:
         drop = np.zeros_like(y) if secant else across - np.maximum(2.0 - 2.0 * y, 0.0)
         planar = across[:, None, None] * np.eye(2) - drop[:, None, None] * along[:, :, None] * along[:, None, :]
         planar *= (self.limit_n / self.length_m)[:, None, None]
-        solid = np.einsum("pia,pab,pjb->pij", self.plane, planar, self.plane)
-        blocks = np.einsum("pk,pl,pij->pkilj", self.weight, self.weight, solid).reshape(len(s), 12, 12)
-        dofs = (3 * self.nodes[:, :, None] + np.arange(3)).reshape(-1, 12)
-        row, column = np.broadcast_to(dofs[:, :, None], blocks.shape), np.broadcast_to(dofs[:, None, :], blocks.shape)
-        kept = (row <= column) & (blocks != 0.0)
-        return sp.csr_array((blocks[kept], (row[kept], column[kept])), shape=2 * (slip_m.size,))
+        lever = self.weight[:, :, None, None] * self.plane[:, None]
+        lever = lever.reshape(len(s), 3 * self.nodes.shape[1], 2)
+        return upper_sum(self.nodes, (lever @ planar) @ np.swapaxes(lever, 1, 2), len(slip_m))
 
     def mean_slip_m(self, slip_m: F64) -> F64:
         """Return each node's slip [n_nodes, 3], the average over its pairs; zero where nothing touches.
@@ -90,7 +91,7 @@ class TangentialPairs:
         slips = np.einsum("pia,pa->pi", self.plane, self.slip_m(slip_m))
         matrix, moment = np.zeros((len(slip_m), 3, 3)), np.zeros_like(slip_m)
         np.add.at(matrix, self.nodes, share[:, :, None, None] * planes[:, None])
-        np.add.at(moment, self.nodes, (np.sign(self.weight) * share)[:, :, None] * slips[:, None])
+        np.add.at(moment, self.nodes, (self.side * share)[:, :, None] * slips[:, None])
         weight = np.trace(matrix, axis1=1, axis2=2)
         touching = weight > 1e-9 * max(float(weight.max()), _TINY_M)
         slip = np.zeros_like(slip_m)
@@ -131,9 +132,11 @@ def from_ipctk(found: Any, edges: I64, faces: I64, nodes: I64, length_m: float) 
     for pair in found.fv_collisions:
         a, b = pair.closest_point
         add(pair, [pair.vertex_id, *faces[pair.face_id]], [1.0, a + b - 1.0, -a, -b])
+    weight = np.array(weights, dtype=np.float64).reshape(-1, 4)
     return TangentialPairs(
         nodes=nodes[np.array(ids, dtype=np.int64).reshape(-1, 4)],
-        weight=np.array(weights, dtype=np.float64).reshape(-1, 4),
+        weight=weight,
+        side=np.sign(weight),
         plane=np.array(planes, dtype=np.float64).reshape(-1, 3, 2),
         limit_n=np.array(limits, dtype=np.float64),
         length_m=length_m,

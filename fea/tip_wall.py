@@ -56,6 +56,10 @@ class TipWall:
         """Return itself: its forces have an energy."""
         return self
 
+    def following(self, _u_m: F64, /) -> "TipWall":
+        """Return itself."""
+        return self
+
     def step_bound(self, u_m: F64, trial_m: F64) -> float:  # noqa: ARG002 - springs may be passed
         """Return 1: any step may be tried."""
         return 1.0

@@ -1,4 +1,4 @@
-"""What pneumatics and control add to the engine's step, in one hand that grasps an object.
+"""What pneumatics, control and the fingers' losses add to the engine's step, in one hand that grasps an object.
 
 The same stretches of a grasp are run twice in turn from the same state: with the gas and its controller, and by the
 engine alone with the recorded commands. Both come to the same state, which is checked. Times are
@@ -81,7 +81,9 @@ def _job(argv: Sequence[str] | None) -> int:
 
 def _grasp(setup: TrialSetup, seed: int) -> list[tuple[float, float]]:
     """Return the times [s] of every stretch of one grasp: engine alone, and with pneumatics."""
-    simulation = HandSimulation(model=setup.scene.model, calibration=setup.calibration, pneumatics=setup.pneumatics)
+    simulation = HandSimulation(
+        model=setup.scene.model, calibration=setup.calibration, pneumatics=setup.pneumatics, losses=setup.losses
+    )
     simulation.reset(np.random.default_rng(seed), setup.plan.standoff(setup.protocol.approach_m))
     place_object(simulation, setup.model.rest_height_m, (0.0, 0.0, 0.0))
     simulation.wrist_target = setup.plan.standoff(0.0)
@@ -98,11 +100,12 @@ def _stretch(simulation: HandSimulation, *, engine_first: bool) -> tuple[float, 
     """Return the times [s] of the next stretch, and leave the simulation at its end."""
     model, data = simulation.model, simulation.data
     start, gas, wrist = mujoco.MjData(model), simulation.gas, simulation.wrist_reference
+    losses = simulation.loss_state
     mujoco.mj_copyData(start, model, data)
 
     def back() -> None:
         mujoco.mj_copyData(data, model, start)
-        simulation.gas, simulation.wrist_reference = gas, wrist
+        simulation.gas, simulation.wrist_reference, simulation.loss_state = gas, wrist, losses
 
     def with_gas() -> float:
         back()

@@ -16,7 +16,7 @@ from tqdm import tqdm
 from assets import asset_path
 from fea.artifact import write_artifact
 from fea.calibration import (
-    FINGER_PRESSURES_PA_GAUGE,
+    FINGER_PATH,
     TARGET_PRESSURE_PA_GAUGE,
     Calibration,
     Materials,
@@ -72,7 +72,7 @@ def job(argv: Sequence[str] | None = None) -> int:
 
 
 def _run(geometry: FingerGeometry, materials: Materials, density: Density, *, choose: bool) -> Calibration:
-    steps = len(density.pressures_pa_gauge) + len(LOADS_N) + 1 + len(FINGER_PRESSURES_PA_GAUGE)
+    steps = len(density.pressures_pa_gauge) + len(LOADS_N) + 1 + len(FINGER_PATH.targets)
     work: Callable[..., Calibration] = choose_sector if choose else calibrate
     with tqdm(total=None if choose else steps, desc="load steps", unit="step") as bar:
         return work(geometry, materials, density, progress=lambda: bar.update(1))
@@ -92,6 +92,7 @@ def summary(c: Calibration, wall_s: float) -> dict[str, Any]:
         "exoskeleton_tip_deflection_m": x.tip_deflection_m.tolist(),
         "exoskeleton_joint_angle_rad": x.angle_rad.tolist(),
         "exoskeleton_status": x.status.value,
+        "finger_branch": list(f.branch),
         "finger_pressure_pa_gauge": f.pressure_pa_gauge.tolist(),
         "finger_joint_angle_rad": f.joint_angle_rad.tolist(),
         "finger_volume_m3": f.volume_m3.tolist(),

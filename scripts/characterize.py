@@ -1,22 +1,25 @@
-"""Bench tests of the simulated finger: joint and tip angles at rest against the calibration's own curve."""
+"""Bench tests of the simulated finger: held against finite elements and against what the paper states."""
 
 from collections.abc import Sequence
+from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
-import numpy as np
+from tqdm import tqdm
 
 from scripts import _cli
-from softhand_sim.calibration import load_calibration
-from softhand_sim.characterize import pressure_angle
-from softhand_sim.elements import FINGERS
+from softhand_sim.calibration import FingerCalibration, FingerEvidence, load_calibration, load_evidence
+from softhand_sim.characterize import STUDIES, Report
+from softhand_sim.characterize.pictures import draw
+from softhand_sim.characterize.pressure_sweep import PRESSURES_PA_GAUGE, pressure_angle_report
 
 EXAMPLES = """examples:
-  characterize.py pressure-angle --json out/pressure_angle.json
+  characterize.py all --json out/fidelity.json --pictures out/fidelity
   characterize.py pressure-angle --pressures 10,37,75
+  characterize.py tip-load --calibration my_finger.json --evidence my_evidence.json
+Exit status 1 if a check does not hold.
 """
-DEFAULT_KPA = "0,10,20,30,40,50,60,70,75,80"
-# all fingers are identical; the index stands for them
-SHOWN = FINGERS.index("index")
+CHECK_FAILED = 1
 
 
 def _pressures(text: str) -> list[float]:
@@ -26,9 +29,12 @@ def _pressures(text: str) -> list[float]:
 def parser() -> _cli.Parser:
     """Return the command line's definition."""
     p = _cli.Parser(description=__doc__, examples=EXAMPLES)
-    p.add_argument("test", choices=["pressure-angle"], help="which bench test to run")
-    p.add_argument("--pressures", type=_pressures, default=DEFAULT_KPA, help=f"kPa gauge (default {DEFAULT_KPA})")
+    p.add_argument("test", choices=[*STUDIES, "all"], help="which bench test to run")
+    default = ",".join(f"{1e-3 * p:g}" for p in PRESSURES_PA_GAUGE)
+    p.add_argument("--pressures", type=_pressures, help=f"pressure-angle: kPa gauge of its table (default {default})")
     p.add_argument("--calibration", type=Path, help="finger calibration (default: the shipped one)")
+    p.add_argument("--evidence", type=Path, help="what the finite elements show (default: the shipped file)")
+    p.add_argument("--pictures", type=Path, metavar="FOLDER", help="draw one PNG a test into this folder")
     p.add_common(seed="taken for uniformity; nothing is random", json="write the figures to this file")
     return p
 
@@ -40,24 +46,51 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _job(argv: Sequence[str] | None) -> int:
     args = parser().parse_args(argv)
+    names = list(STUDIES) if args.test == "all" else [args.test]
+    if args.pressures is not None and args.test != "pressure-angle":
+        raise ValueError(f"--pressures: not an option of {args.test}")
     _cli.check_writable(args.json)
-    calibration = load_calibration(args.calibration)
-    measured = pressure_angle(calibration, args.pressures)
-    tip, joints = measured.tip_angle_deg[:, SHOWN], measured.joint_angle_deg[:, SHOWN]
-    own = np.array([calibration.angle_for_pressure(p) for p in args.pressures])
-    print(f"{'kPa gauge':>10}{'tip deg':>9}{'calibration':>13}   proximal  middle  distal")
-    for pressure, angle, curve, each in zip(args.pressures, tip, own, joints, strict=True):
-        print(f"{pressure / 1e3:>10.1f}{angle:>9.2f}{curve:>13.2f}   " + "  ".join(f"{x:>6.2f}" for x in each))
+    if args.pictures is not None:
+        _cli.check_writable(args.pictures / f"{names[0]}.png", "--pictures")
+        if find_spec("matplotlib") is None:
+            raise ValueError("--pictures: matplotlib is missing (pip install 'softhand-sim[plots]')")
+    calibration, evidence = load_calibration(args.calibration), load_evidence(args.evidence)
+    reports = [_run(name, calibration, evidence, args.pressures) for name in tqdm(names, unit="test", disable=None)]
+    for report in reports:
+        _print(report)
+        if args.pictures is not None and report.panels:
+            draw(report, args.pictures / f"{report.name}.png")
     if args.json is not None:
-        data = {
-            "pressure_pa_gauge": measured.pressure_pa_gauge.tolist(),
-            "tip_angle_deg": tip.tolist(),
-            "joint_angle_deg": joints.tolist(),
-            "calibration_tip_angle_deg": own.tolist(),
-            "tip_angle_spread_between_fingers_deg": float(np.ptp(measured.tip_angle_deg, axis=1).max()),
-        }
-        _cli.write_json(args.json, data)
-    return 0
+        data = {report.name: report.as_dict() for report in reports}
+        _cli.write_json(args.json, data if args.test == "all" else data[args.test])
+    return 0 if all(report.holds for report in reports) else CHECK_FAILED
+
+
+def _run(
+    name: str, calibration: FingerCalibration, evidence: FingerEvidence, pressures: Sequence[float] | None
+) -> Report:
+    if pressures is not None:
+        return pressure_angle_report(calibration, pressures_pa_gauge=pressures)
+    return STUDIES[name](calibration, evidence)
+
+
+def _print(report: Report) -> None:
+    print(report.name)
+    if report.name == "pressure-angle":
+        _print_angles(report.figures)
+    for check in report.checks:
+        print(f"  {check}")
+    for line in report.stated:
+        print(f"  stated: {line}")
+
+
+def _print_angles(figures: dict[str, Any]) -> None:
+    print(f"{'kPa gauge':>10}{'tip deg':>9}{'calibration':>13}   proximal  middle  distal")
+    keys = ("pressure_pa_gauge", "tip_angle_deg", "calibration_tip_angle_deg", "joint_angle_deg")
+    for pressure, angle, curve, each in zip(*(figures[key] for key in keys), strict=True):
+        print(f"{pressure / 1e3:>10.1f}{angle:>9.2f}{curve:>13.2f}   " + "  ".join(f"{x:>6.2f}" for x in each))
+    for name, angles in figures["tip_angle_deg_at_75_kpa_with_gravity"].items():
+        print(f"  75 kPa, {name}: " + ", ".join(f"{angle:.2f}" for angle in angles))
 
 
 if __name__ == "__main__":

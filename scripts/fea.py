@@ -129,6 +129,9 @@ def parser() -> _cli.Parser:
         help="finger: a force sensor in front of the tip (%(const)g mm)",
     )
     p.add_argument(
+        "--no-separation", action="store_true", help="finger: the actuator does not leave the tube's sections"
+    )
+    p.add_argument(
         "--tip-loads",
         type=numbers,
         metavar="N,N",
@@ -205,10 +208,13 @@ def _finger_case(args: Any) -> FingerCase:
         "unload": False if args.unload is None and args.tip_loads else args.unload,
         "tip_loads_n": None if args.tip_loads is None else tuple(args.tip_loads),
         "sensor_distance_m": None if args.blocked is None else 1e-3 * args.blocked,
+        "no_separation": args.no_separation or None,
     }
     given = {name: value for name, value in given.items() if value is not None}
     if given and args.analysis != "finger":
-        raise ValueError(f"--friction, --unload, --blocked and --tip-loads are not options of {args.analysis}")
+        raise ValueError(
+            f"--friction, --unload, --blocked, --no-separation and --tip-loads are not options of {args.analysis}"
+        )
     return FingerCase(**given)
 
 

@@ -6,16 +6,18 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from softhand_sim.calibration import JOINTS, FingerCalibration
+from softhand_sim.calibration import JOINT_RANGE_RAD, JOINTS, FingerCalibration
 from softhand_sim.elements import FINGERS, spread_to_fingers
 from softhand_sim.hand.anatomy import HandAnatomy
 from softhand_sim.hand.hand import WRIST
+from softhand_sim.losses import Losses
 from softhand_sim.pneumatics.state import PneumaticState
 from softhand_sim.pneumatics.system import PneumaticSystem, default_elements
 from softhand_sim.wrist import limited_step
 
 Vector = npt.NDArray[np.float64]
 
+_MOST_BEND_RAD = len(JOINTS) * JOINT_RANGE_RAD[1]
 _INSTABILITY = (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC)
 
 
@@ -24,9 +26,11 @@ class HandIndex:
     """Addresses of the hand's parts in a compiled model."""
 
     pressure_ctrl: Vector
+    loss_ctrl: Vector
     wrist_ctrl: Vector
     wrist_qpos: Vector
     tendon: Vector
+    straight_length_m: Vector
     joint_qpos: Vector
     palm_body: int
 
@@ -34,14 +38,21 @@ class HandIndex:
     def of(cls, model: mujoco.MjModel) -> "HandIndex":
         """Look the names up once."""
         joints = [[f"{f}_{j}" for j in JOINTS] for f in FINGERS]
+        tendon = np.array([model.tendon(f"{f}_actuator").id for f in FINGERS])
         return cls(
             pressure_ctrl=np.array([model.actuator(f"{f}_pressure").id for f in FINGERS]),
+            loss_ctrl=np.array([model.actuator(f"{f}_loss").id for f in FINGERS]),
             wrist_ctrl=np.array([model.actuator(name).id for name in WRIST]),
             wrist_qpos=np.array([model.joint(name).qposadr[0] for name in WRIST]),
-            tendon=np.array([model.tendon(f"{f}_actuator").id for f in FINGERS]),
+            tendon=tendon,
+            straight_length_m=model.tendon_length0[tendon].copy(),
             joint_qpos=np.array([[model.joint(name).qposadr[0] for name in row] for row in joints]),
             palm_body=int(model.body("palm").id),
         )
+
+    def elongations_m(self, data: mujoco.MjData) -> Vector:
+        """Elongation of each finger's actuator, shape (5,): its tendon shortens by it."""
+        return np.asarray(self.straight_length_m - data.ten_length[self.tendon])
 
 
 def default_pneumatics(calibration: FingerCalibration) -> PneumaticSystem:
@@ -60,6 +71,7 @@ class HandSimulation:
     ----------
     wrist_target: x, y, z (m), yaw, pitch, roll (rad), shape (6,); approached at the wrist's limited speed.
     set_pressure_pa_gauge: wanted pressure per element (Pa), shape (3,).
+    losses: friction and relaxation of the fingers; by default the calibration's friction alone.
 
     Without `pneumatics` (None) the fingers have the wanted pressure at once, and there is no gas.
     """
@@ -68,13 +80,17 @@ class HandSimulation:
     calibration: FingerCalibration
     pneumatics: PneumaticSystem | None
     anatomy: HandAnatomy = field(default_factory=HandAnatomy)
+    losses: Losses | None = None
 
     def __post_init__(self) -> None:
         self.index = HandIndex.of(self.model)
         self.data = mujoco.MjData(self.model)
+        self.dt = float(self.model.opt.timestep)
         # a view of the engine's memory, which never moves: the attribute makes a new one each time
         self._tendon_length_m = self.data.ten_length
-        self.dt = float(self.model.opt.timestep)
+        losses = Losses.of(self.calibration) if self.losses is None else self.losses
+        self.losses = losses
+        self._loses = losses.sliding is not None or losses.relaxation is not None
 
     def reset(self, rng: np.random.Generator, wrist_pose: Vector) -> None:
         """Start anew with empty fingers and the wrist standing at `wrist_pose`, shape (6,)."""
@@ -85,6 +101,8 @@ class HandSimulation:
         self.wrist_reference = np.array(wrist_pose, dtype=np.float64)
         self.wrist_target = self.wrist_reference.copy()
         self.set_pressure_pa_gauge = np.zeros(3)
+        if self.losses is not None:
+            self.loss_state = self.losses.rest(self.elongations_m())
         self.gas: PneumaticState | None = None
         if self.pneumatics is not None:
             self.gas = self.pneumatics.reset(self.chamber_volumes_m3(), rng)
@@ -92,9 +110,13 @@ class HandSimulation:
     def step(self) -> None:
         """Advance by one time step of the engine."""
         self.move_wrist()
+        elongation = self._elongations_m()
+        pressure = self._next_pressures_pa_gauge(elongation)
         ctrl = self.data.ctrl
         ctrl[self.index.wrist_ctrl] = self.wrist_reference
-        ctrl[self.index.pressure_ctrl] = self._next_pressures_pa_gauge()
+        ctrl[self.index.pressure_ctrl] = pressure
+        if self._loses:
+            ctrl[self.index.loss_ctrl] = self._next_losses_n(elongation, np.array(pressure))
         mujoco.mj_step(self.model, self.data)
 
     def move_wrist(self) -> None:
@@ -106,12 +128,22 @@ class HandSimulation:
             self.anatomy.wrist_rate_rad_per_s * self.dt,
         )
 
-    def _next_pressures_pa_gauge(self) -> tuple[float, ...]:
+    def _next_pressures_pa_gauge(self, elongation_m: Vector) -> tuple[float, ...]:
         """Step the gas and return the pressure in each finger (Pa), shape (5,)."""
         if self.pneumatics is None or self.gas is None:
             return spread_to_fingers(self.set_pressure_pa_gauge.tolist())
-        self.gas = self.pneumatics.step(self.gas, self._volumes_m3(), self.set_pressure_pa_gauge, self.dt)
+        volumes = self._volumes_m3(elongation_m)
+        self.gas = self.pneumatics.step(self.gas, volumes, self.set_pressure_pa_gauge, self.dt)
         return self.pneumatics.finger_pressures_pa_gauge(self.gas)
+
+    def _next_losses_n(self, elongation_m: Vector, pressure_pa_gauge: Vector) -> Vector:
+        """Step friction and relaxation and return their force along each finger's elongation (N), shape (5,)."""
+        if self.losses is None:
+            return np.zeros(len(FINGERS))
+        # an engine that diverges shows infinite angles before it says so
+        bend = np.minimum(np.abs(self.data.qpos[self.index.joint_qpos]).sum(axis=1), _MOST_BEND_RAD)
+        self.loss_state, force = self.losses.step(self.loss_state, elongation_m, bend, pressure_pa_gauge, self.dt)
+        return force
 
     def pressure_pa_gauge(self) -> Vector:
         """Present pressure of each element where its sensor sits (Pa), shape (3,)."""
@@ -125,15 +157,22 @@ class HandSimulation:
             return np.array(self.set_pressure_pa_gauge)
         return np.asarray(self.gas.readings_pa_abs) - self.pneumatics.ambient_pa_abs
 
+    def _elongations_m(self) -> Vector:
+        return np.asarray(self.index.straight_length_m - self._tendon_length_m[self.index.tendon])
+
+    def elongations_m(self) -> Vector:
+        """Elongation of each finger's actuator, shape (5,): that at the start of the engine's last step."""
+        return self.index.elongations_m(self.data)
+
     def chamber_volumes_m3(self) -> Vector:
         """Volume of each finger's chamber without bulging, shape (5,): V(delta) at the tendon's present length."""
-        return np.array(self._volumes_m3())
+        return np.array(self._volumes_m3(self.elongations_m()))
 
-    def _volumes_m3(self) -> list[float]:
+    def _volumes_m3(self, elongation_m: Vector) -> list[float]:
         chamber = self.calibration.chamber
         volume, area, half_slope = chamber.volume_m3, chamber.area_m2, 0.5 * chamber.area_slope_m
         # five plain numbers are quicker than arrays of five
-        return [volume + d * (area + half_slope * d) for d in self._tendon_length_m[self.index.tendon].tolist()]
+        return [volume + d * (area + half_slope * d) for d in elongation_m.tolist()]
 
     @property
     def wrist_arrived(self) -> bool:

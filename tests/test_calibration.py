@@ -15,7 +15,8 @@ def plausible():
     pressure = [0.0, 20e3, 40e3, 60e3, 80e3]
     tip = [0.0, 21.0, 45.0, 72.0, 103.0]
     joint = {
-        "offset_m": 6.5e-3,
+        "offset_m": 5.5e-3,
+        "offset_slope_m_per_rad": 4e-3,
         "stiffness_n_m_per_rad": 0.03,
         "stiffness_n_m_per_rad2": -0.004,
         "stiffness_n_m_per_rad3": 0.001,
@@ -23,7 +24,7 @@ def plausible():
     }
     return {
         "schema": "softhand-sim/finger-calibration",
-        "schema_version": 2,
+        "schema_version": 3,
         "geometry": {"flexure_thickness_m": 2e-3},
         "finger": {
             "length_m": 0.09,
@@ -35,6 +36,7 @@ def plausible():
         "joints": [{"name": name, **joint} for name in ("proximal", "middle", "distal")],
         "tendon": {"stiffness_n_per_m": 250.0, "stiffness_n_per_m2": -3000.0, "stiffness_n_per_m3": 1e5},
         "chamber": {"volume_m3": 2.5e-6, "area_m2": 6.4e-5, "area_slope_m": 1e-4, "bulging_m3_per_pa": 5e-12},
+        "sliding": {"coefficient_per_rad": 0.015, "stiffness_n_per_m": 70.0},
         "curve": {
             "pressure_pa_gauge": pressure,
             "tip_angle_deg": tip,
@@ -42,7 +44,15 @@ def plausible():
         },
         "targets_used": {"tip_angle_deg": 95.0},
         "fit_rmse": {},
-        "fea": {},
+        "fea": {
+            "finger": {
+                "branch": ["loading", "loading", "loading", "unloading"],
+                "fitted": [False, False, True, False],
+                "pressure_pa_gauge": [0.0, 20e3, 40e3, 20e3],
+                "joint_angle_rad": [[0.0, 0.0, 0.0], [0.1, 0.11, 0.12], [0.2, 0.22, 0.24], [0.11, 0.12, 0.13]],
+                "chamber_volume_m3": [2.5e-6, 2.6e-6, 2.8e-6, 2.65e-6],
+            }
+        },
         "provenance": {"solver": "none"},
     }
 
@@ -61,7 +71,21 @@ def test_reads_every_part(tmp_path):
     assert calibration.curve.joint_angle_deg.shape == (5, 3)
     assert calibration.geometry["flexure_thickness_m"] == 2e-3
     assert calibration.notes["provenance"] == {"solver": "none"}
-    assert calibration.elongation_m((0.1, 0.2, 0.3)) == pytest.approx(6.5e-3 * 0.6)
+    assert calibration.sliding.stiffness_n_per_m == 70.0
+    assert calibration.analysis.unseen.tolist() == [False, True, False, False]
+    assert calibration.analysis.tip_angle_deg[1] == pytest.approx(np.degrees(0.33))
+
+
+def test_elongation_is_the_integral_of_the_arm(tmp_path):
+    """Two points 8 mm past the hinge and 5.5 mm to its back: their distance shrinks by what the tendon lengthens."""
+    calibration = load_calibration(write(tmp_path / "finger.json", plausible()))
+    for q in (-0.3, 0.2, 1.2):
+        turned = np.array([[np.cos(q), np.sin(q)], [-np.sin(q), np.cos(q)]]) @ np.array([-5.5e-3, -8e-3])
+        shorter = 16e-3 - float(np.linalg.norm(np.array([-5.5e-3, 8e-3]) - turned))
+        assert calibration.elongation_m((0.0, q, 0.0)) == pytest.approx(shorter, rel=1e-9)
+    angles = np.array([[0.1, 0.2, 0.3], [0.5, -0.1, 1.0]])
+    each = [calibration.elongation_m(tuple(row)) for row in angles]
+    assert calibration.elongations_m(angles) == pytest.approx(each, rel=1e-12)
 
 
 def test_area_is_the_derivative_of_the_volume(tmp_path):
@@ -86,10 +110,18 @@ def test_look_ups_are_inverse_and_end_with_the_table(tmp_path):
 
 REFUSALS = [
     (("schema",), "other", "schema = 'other'"),
-    (("schema_version",), 1, "schema_version = 1: must be 2"),
+    (("schema_version",), 2, "schema_version = 2: must be 3"),
     (("joints",), [], "joints = "),
     (("joints", 0, "name"), "distal", "joints = "),
     (("joints", 1, "offset_m"), 0.0, r"joints\[1\]\.offset_m = 0\.0"),
+    (("joints", 1, "offset_slope_m_per_rad"), 1e-3, r"joints\[1\]\.offset_slope_m_per_rad = 0\.001.*> 0\.0023"),
+    (("sliding", "coefficient_per_rad"), -0.1, r"sliding\.coefficient_per_rad = -0\.1"),
+    (("sliding", "stiffness_n_per_m"), 0.0, r"sliding\.stiffness_n_per_m = 0\.0"),
+    (("fea", "finger", "fitted"), [True], r"fea\.finger\.fitted has 1 rows: must have 4"),
+    (("fea", "finger", "fitted", 0), 1, r"fea\.finger\.fitted = .*a list of bool"),
+    (("fea", "finger", "branch", 1), "up", r"fea\.finger\.branch = 'up'"),
+    (("fea", "finger", "pressure_pa_gauge", 1), 50e3, r"fea\.finger\.pressure_pa_gauge: must rise"),
+    (("fea", "finger", "pressure_pa_gauge", 3), 50e3, r"fea\.finger\.pressure_pa_gauge: must fall"),
     (("joints", 1, "offset_m"), "6.5", r"joints\[1\]\.offset_m = '6\.5'"),
     (("joints", 2, "stiffness_n_m_per_rad"), math.nan, r"joints\[2\]\.stiffness_n_m_per_rad = nan"),
     (("joints", 2, "stiffness_n_m_per_rad"), -1.0, r"joints\[2\]\.stiffness_n_m_per_rad = -1\.0"),
@@ -136,9 +168,9 @@ def required_fields():
     """Paths of every field that the contract requires."""
     data = plausible()
     for top in data:
-        if top != "fea":
-            yield (top,)
-    for part in ("finger", "tendon", "chamber", "curve"):
+        yield (top,)
+    yield ("fea", "finger")
+    for part in ("finger", "tendon", "chamber", "sliding", "curve"):
         yield from ((part, name) for name in data[part])
     yield from (("joints", 1, name) for name in data["joints"][1])
 

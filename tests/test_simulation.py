@@ -33,6 +33,27 @@ def test_chamber_volume_is_the_calibration_s_at_the_tendon_s_length(simulation, 
     assert min(own) > calibration.chamber.volume_m3_at(0.0)
 
 
+def test_sliding_friction_opposes_the_motion_within_its_bound(simulation, calibration):
+    law, index = calibration.sliding, simulation.index
+
+    def force_and_bound():
+        pressure = simulation.data.ctrl[index.pressure_ctrl]
+        bend = np.abs(simulation.data.qpos[index.joint_qpos]).sum(axis=1)
+        area = np.array([calibration.chamber.area_m2_at(d) for d in simulation.elongations_m()])
+        return simulation.data.ctrl[index.loss_ctrl].copy(), law.coefficient_per_rad * bend * pressure * area
+
+    simulation.set_pressure_pa_gauge = np.full(3, 70e3)
+    run(simulation, 0.8)
+    closing, bound = force_and_bound()
+    assert (closing < -0.5 * bound).all()
+    assert (closing >= -1.02 * bound).all()
+    simulation.set_pressure_pa_gauge = np.full(3, 40e3)
+    run(simulation, 1.5)
+    opening, bound = force_and_bound()
+    assert (opening > 0.5 * bound).all()
+    assert (opening <= 1.02 * bound).all()
+
+
 def test_shut_valves_keep_the_gas_when_a_finger_is_bent(simulation):
     """Isothermal gas: pV of an element is constant while its finger is pushed, here by the joints' own coordinates."""
     simulation.set_pressure_pa_gauge = np.full(3, 40e3)

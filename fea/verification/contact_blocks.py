@@ -9,14 +9,31 @@ import numpy as np
 
 from fea.arrays import F64, Bool
 from fea.assembly import SolidModel
-from fea.contact import ContactOptions, SurfaceContact
+from fea.contact import ContactOptions
 from fea.friction import advance, begin, solve_step
+from fea.gap_law import Unilateral
 from fea.lattice import SolidMesh, free_faces
 from fea.laws import Law
 from fea.load import Load
 from fea.meshes import rectangle, sweep, union
 from fea.newton import NewtonOptions
+from fea.segment_contact import SegmentOptions
+from fea.surface_contact import AnyOptions, AnySurfaces, surface_contact
 from fea.workspace import workspace
+
+CONTACTS = ("segments", "barrier")
+
+
+def settings(
+    contact: str, *, distance_m: float, stiffness_pa: float, reach_m: float = 1e-3, friction: float = 0.0
+) -> AnyOptions:
+    """Return the settings of a contact of the one or the other kind that begins to push at a distance."""
+    if contact == "barrier":
+        return ContactOptions(
+            activation_distance_m=distance_m, stiffness_pa=stiffness_pa, friction=friction, count_once=True
+        )
+    law = Unilateral(stiffness_pa=stiffness_pa, distance_m=distance_m)
+    return SegmentOptions(law=law, reach_m=reach_m, friction=friction)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,7 +52,7 @@ class Pair:
     """Model of the two blocks, their contact, and masks [n_nodes] of the upper block and of its top face."""
 
     model: SolidModel
-    contact: SurfaceContact
+    contact: AnySurfaces
     upper: Bool
     top: Bool
 
@@ -51,7 +68,7 @@ class State:
 
 
 def block_pair(
-    lower: Block, upper: Block, law: Law, contact: ContactOptions, *, gap_m: float, sides_free: bool = False
+    lower: Block, upper: Block, law: Law, contact: AnyOptions, *, gap_m: float, sides_free: bool = False
 ) -> Pair:
     """Build the pair; the lower face of the one and the top face of the other keep their place.
 
@@ -74,7 +91,7 @@ def block_pair(
     model = SolidModel(mesh=mesh, laws={0: law, 1: law}, fixed=fixed)
     first = free_faces(mesh, lambda c: np.abs(c[..., 2] - lower.height_m) < 1e-9)
     second = free_faces(mesh, lambda c: np.abs(c[..., 2] - start) < 1e-9)
-    return Pair(model=model, contact=SurfaceContact(mesh, first, second, contact), upper=above, top=top)
+    return Pair(model=model, contact=surface_contact(mesh, first, second, contact), upper=above, top=top)
 
 
 def drive(pair: Pair, path_m: F64, *, tolerance: float = 1e-6, load: Load | None = None) -> list[State]:

@@ -14,13 +14,14 @@ import numpy as np
 
 from fea.arrays import F64
 from fea.assembly import SolidModel
-from fea.contact import ContactOptions, SurfaceContact
 from fea.lattice import SolidMesh, free_faces
 from fea.laws import StVenantKirchhoff
 from fea.load import Load
 from fea.meshes import rectangle, sweep, union
 from fea.newton import NewtonOptions, solve_equilibrium
+from fea.surface_contact import surface_contact
 from fea.verification.common import Row
+from fea.verification.contact_blocks import settings
 from fea.workspace import workspace
 
 # metres of size, so that the contact's noise of 0.1 um is nothing beside the depth
@@ -59,7 +60,7 @@ def boussinesq(x_m: F64, force_n: float) -> F64:
     return np.asarray(common * np.stack([x * radial, y * radial, -sinking], axis=1))
 
 
-def indent(*, cells: int = 4) -> Indentation:
+def indent(*, kind: str = "segments", cells: int = 4) -> Indentation:
     """Lower the sphere until Hertz's depth, with ``cells`` elements over the contact radius."""
     activation = 0.04 * DEPTH_M
     block, cap = _half_space(cells), _sphere(cells, activation)
@@ -74,8 +75,8 @@ def indent(*, cells: int = 4) -> Indentation:
     model = SolidModel(mesh=mesh, laws={0: law, 1: law}, fixed=fixed)
     top = free_faces(mesh, lambda c: (np.abs(c[..., 2]) < 1e-9) & (np.hypot(c[..., 0], c[..., 1]) < 2.2 * RADIUS_M))
     ball = free_faces(mesh, lambda c: np.abs(c[..., 2] - _height(c[..., 0], c[..., 1], activation)) < 1e-6)
-    options = ContactOptions(activation_distance_m=activation, stiffness_pa=2e5, count_once=True)
-    contact = SurfaceContact(mesh, top, ball, options)
+    options = settings(kind, distance_m=activation, stiffness_pa=2e5, reach_m=3.0 * DEPTH_M)
+    contact = surface_contact(mesh, top, ball, options)
     newton = NewtonOptions(relative_tolerance=1e-6, step_cap_m=1.0, max_iterations=60)
     u, work = np.zeros_like(x), workspace(model)
     centre = int(np.argmin(np.abs(x).sum(axis=1)))
@@ -88,7 +89,7 @@ def indent(*, cells: int = 4) -> Indentation:
         outcome = solve_equilibrium(work, u, Load(), newton, contact=contact)
         if not outcome.converged:
             raise RuntimeError(f"Hertz: no equilibrium, {outcome.status.value}")
-        u = outcome.u_m
+        u, contact = outcome.u_m, contact.following(outcome.u_m)
     work.close()
     nodes = contact.first_nodes
     force = -contact.force_n(u)[nodes, 2]
@@ -102,9 +103,9 @@ def indent(*, cells: int = 4) -> Indentation:
     )
 
 
-def hertz(*, cells: int = 4) -> list[Row]:
+def hertz(*, contact: str = "segments", cells: int = 4) -> list[Row]:
     """Return force, contact radius and pressure at the centre of a rigid sphere on a half-space."""
-    found = indent(cells=cells)
+    found = indent(kind=contact, cells=cells)
     radius = (3.0 * found.force_n * SPHERE_M / (4.0 * E_STAR_PA)) ** (1.0 / 3.0)
     centre = float(found.pressure_pa[np.argmin(found.distance_m)])
     values = (
@@ -114,7 +115,7 @@ def hertz(*, cells: int = 4) -> list[Row]:
     )
     return [
         Row(
-            problem="Hertz, sphere on half-space",
+            problem=f"Hertz, sphere on half-space, {contact}",
             formulation="P2/P0",
             dofs=found.dofs,
             quantity=quantity,

@@ -1,6 +1,23 @@
 """The finger calibration: the file through which the finite-element lab speaks to the runtime."""
 
-from softhand_sim.calibration.parts import JOINTS
+from softhand_sim.calibration.evidence import FingerEvidence, load_evidence
+from softhand_sim.calibration.parts import (
+    JOINT_RANGE_RAD,
+    JOINTS,
+    ChamberCalibration,
+    SlidingCalibration,
+    TendonCalibration,
+)
 from softhand_sim.calibration.reader import FingerCalibration, load_calibration
 
-__all__ = ["JOINTS", "FingerCalibration", "load_calibration"]
+__all__ = [
+    "JOINTS",
+    "JOINT_RANGE_RAD",
+    "ChamberCalibration",
+    "FingerCalibration",
+    "FingerEvidence",
+    "SlidingCalibration",
+    "TendonCalibration",
+    "load_calibration",
+    "load_evidence",
+]

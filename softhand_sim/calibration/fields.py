@@ -58,6 +58,13 @@ class Fields:
             raise self.error(name, value, "a string")
         return value
 
+    def list_of(self, name: str, kind: type[T]) -> tuple[T, ...]:
+        """Return a field that is a list of values of one type (``str`` or ``bool``)."""
+        value = self.value(name)
+        if not isinstance(value, list) or not all(isinstance(item, kind) for item in value):
+            raise self.error(name, value, f"a list of {kind.__name__}")
+        return tuple(value)
+
     def numbers(self, name: str, shape: tuple[int | None, ...]) -> npt.NDArray[np.float64]:
         """Return a field that is an array of finite numbers; ``None`` in ``shape`` means any length."""
         value = self.value(name)

@@ -1,5 +1,6 @@
 """Parts of the finger calibration: joints, tendon, chamber, rigid body, pressure-angle curve."""
 
+import math
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -11,13 +12,24 @@ from softhand_sim.checks import require_finite
 JOINTS: tuple[str, ...] = ("proximal", "middle", "distal")
 """Joints of a finger, from its base."""
 
+BRANCHES = ("loading", "unloading")
+"""Branches of a pressure cycle."""
+
+JOINT_RANGE_RAD = (-0.35, 1.4)
+"""Choice: just above what the calibrated curve holds, so that ctrl never asks for an extrapolation."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class JointCalibration:
-    """One hinge: torque ``-(a q + b q^2 + c q^3)`` at angle ``q`` [rad]; tendon arm ``offset_m``."""
+    """One hinge: torque ``-(a q + b q^2 + c q^3)`` at angle ``q`` [rad], and the arm ``r(q)`` of the tendon.
+
+    The arm is that of a line through two points, one on either side of the hinge: ``offset_m`` to its back, and twice
+    the slope past it. ``r = r0 cos(q / 2) + 2 r1 sin(q / 2)`` with the offset r0 and the slope r1 when straight.
+    """
 
     name: str
     offset_m: float
+    offset_slope_m_per_rad: float
     stiffness_n_m_per_rad: float
     stiffness_n_m_per_rad2: float
     stiffness_n_m_per_rad3: float
@@ -25,6 +37,9 @@ class JointCalibration:
 
     def __post_init__(self) -> None:
         require_finite("offset_m", self.offset_m, above=0.0)
+        # the line's two points must not meet where the joint may go
+        least = 0.5 * self.offset_m * math.tan(0.5 * JOINT_RANGE_RAD[1])
+        require_finite("offset_slope_m_per_rad", self.offset_slope_m_per_rad, above=least)
         require_finite("damping_n_m_s_per_rad", self.damping_n_m_s_per_rad, at_least=0.0)
         a = require_finite("stiffness_n_m_per_rad", self.stiffness_n_m_per_rad, at_least=0.0)
         b = require_finite("stiffness_n_m_per_rad2", self.stiffness_n_m_per_rad2)
@@ -32,6 +47,12 @@ class JointCalibration:
         # a + 2 b q + 3 c q^2 >= 0 for all q; the margin is for decimal rounding of a fit on the boundary
         if b * b > 3.0 * a * c * (1.0 + 1e-9):
             raise ValueError(f"stiffness_n_m_per_rad2 = {b!r}: torque must be monotone, b^2 <= 3 a c = {3.0 * a * c:g}")
+
+    def elongation_m_at(self, angle_rad: float) -> float:
+        """Return the arm's integral from 0 to an angle [m], what this joint lengthens the tendon by."""
+        half = 0.5 * angle_rad
+        grown = 4.0 * self.offset_slope_m_per_rad * (1.0 - math.cos(half))
+        return 2.0 * self.offset_m * math.sin(half) + grown
 
     @property
     def polynomial(self) -> tuple[float, float, float]:
@@ -91,6 +112,24 @@ class ChamberCalibration:
 
 
 @dataclass(frozen=True, kw_only=True)
+class SlidingCalibration:
+    """Friction of the actuator in the exoskeleton: at most a share of the thrust for each radian of bending.
+
+    Below that it is a spring of ``stiffness_n_per_m``. Zeros where no way back was analysed.
+    """
+
+    coefficient_per_rad: float
+    stiffness_n_per_m: float
+
+    def __post_init__(self) -> None:
+        coefficient = require_finite("coefficient_per_rad", self.coefficient_per_rad, at_least=0.0)
+        if coefficient > 0.0:
+            require_finite("stiffness_n_per_m", self.stiffness_n_per_m, above=0.0)
+        else:
+            require_finite("stiffness_n_per_m", self.stiffness_n_per_m, at_least=0.0)
+
+
+@dataclass(frozen=True, kw_only=True)
 class FingerBody:
     """Rigid dimensions; ``joint_position_m`` (3,) are hinge centres along the finger from its base plane."""
 
@@ -112,7 +151,7 @@ class FingerBody:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class CalibrationCurve:
-    """The surrogate's own equilibrium, without gravity.
+    """The surrogate's own equilibrium while loading, without gravity.
 
     Attributes
     ----------
@@ -152,3 +191,48 @@ class CalibrationCurve:
                 f"tip_angle_deg[{k}] = {self.tip_angle_deg[k]:g}: must be the sum of the joint angles, "
                 f"{self.joint_angle_deg[k].sum():g}"
             )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FingerCycle:
+    """The finite-element finger under pressure up and down: rows (n,), joint angles (n, 3), the unloaded state first.
+
+    ``fitted`` says which rows the identification saw, (n,); None where it is not known.
+    """
+
+    branch: tuple[str, ...]
+    pressure_pa_gauge: npt.NDArray[np.float64]
+    joint_angle_rad: npt.NDArray[np.float64]
+    chamber_volume_m3: npt.NDArray[np.float64]
+    fitted: tuple[bool, ...] | None = None
+
+    def __post_init__(self) -> None:
+        rows = len(self.pressure_pa_gauge)
+        for name in ("branch", "joint_angle_rad", "chamber_volume_m3", "fitted"):
+            column = getattr(self, name)
+            if column is not None and len(column) != rows:
+                raise ValueError(f"{name} has {len(column)} rows: must have {rows}")
+        unknown = sorted(set(self.branch) - set(BRANCHES))
+        if unknown:
+            raise ValueError(f"branch = {unknown[0]!r}: must be one of {list(BRANCHES)}")
+        up = self.loading
+        if not up[: up.sum()].all() or up.sum() < 2 or (np.diff(self.pressure_pa_gauge[up]) <= 0.0).any():
+            raise ValueError("pressure_pa_gauge: must rise over the loading rows, which come first")
+        if (np.diff(self.pressure_pa_gauge[up.sum() - 1 :]) >= 0.0).any():
+            raise ValueError("pressure_pa_gauge: must fall over the unloading rows")
+
+    @property
+    def loading(self) -> npt.NDArray[np.bool_]:
+        """Rows on the way up, (n,)."""
+        return np.array([branch == "loading" for branch in self.branch])
+
+    @property
+    def unseen(self) -> npt.NDArray[np.bool_]:
+        """Loaded rows on the way up that the identification did not see, (n,); all of them where it is not known."""
+        seen = np.zeros(len(self.branch), dtype=bool) if self.fitted is None else np.array(self.fitted)
+        return np.asarray(self.loading & ~seen & (self.pressure_pa_gauge > 0.0))
+
+    @property
+    def tip_angle_deg(self) -> npt.NDArray[np.float64]:
+        """Sum of the joint angles [deg], (n,)."""
+        return np.asarray(np.degrees(self.joint_angle_rad.sum(axis=1)))

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -17,32 +17,47 @@ from softhand_sim.calibration.parts import (
     CalibrationCurve,
     ChamberCalibration,
     FingerBody,
+    FingerCycle,
     JointCalibration,
+    SlidingCalibration,
     TendonCalibration,
 )
 
 SCHEMA = "softhand-sim/finger-calibration"
-SCHEMA_VERSION = 2
+SCHEMA_VERSION = 3
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class FingerCalibration:
-    """Everything the runtime knows of a finger; ``notes`` holds the parts that it doesn't compute with."""
+    """Everything the runtime knows of a finger.
+
+    ``analysis`` is what the complete finger did in the finite elements; ``notes`` holds the parts of the file that the
+    runtime doesn't compute with.
+    """
 
     joints: tuple[JointCalibration, ...]
     tendon: TendonCalibration
     chamber: ChamberCalibration
+    sliding: SlidingCalibration
     finger: FingerBody
     curve: CalibrationCurve
+    analysis: FingerCycle
     geometry: Mapping[str, Any]
     notes: Mapping[str, Any]
+    _twice_offset: npt.NDArray[np.float64] = field(init=False, repr=False)
+    _four_slopes: npt.NDArray[np.float64] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         names = tuple(joint.name for joint in self.joints)
         if names != JOINTS:
             raise ValueError(f"joints = {list(names)}: must be {list(JOINTS)}, in this order")
-        bent = np.radians(self.curve.joint_angle_deg) @ np.array([joint.offset_m for joint in self.joints])
-        for elongation in (0.0, *bent.tolist()):
+        offset = np.array([joint.offset_m for joint in self.joints])
+        slope = np.array([joint.offset_slope_m_per_rad for joint in self.joints])
+        object.__setattr__(self, "_twice_offset", 2.0 * offset)
+        object.__setattr__(self, "_four_slopes", 4.0 * slope)
+        proximal, middle, distal = np.radians(self.curve.joint_angle_deg).T.tolist()
+        bent = [self.elongation_m(row) for row in zip(proximal, middle, distal, strict=True)]
+        for elongation in (0.0, *bent):
             if not self.chamber.area_m2_at(elongation) > 0.0:
                 area = self.chamber.area_m2_at(elongation)
                 raise ValueError(
@@ -56,8 +71,13 @@ class FingerCalibration:
                 )
 
     def elongation_m(self, joint_angle_rad: tuple[float, float, float]) -> float:
-        """Return the tendon's elongation ``sum r_i theta_i`` [m] at the joint angles [rad], (3,)."""
-        return math.fsum(joint.offset_m * angle for joint, angle in zip(self.joints, joint_angle_rad, strict=True))
+        """Return the tendon's elongation [m] at the joint angles [rad], (3,)."""
+        return math.fsum(joint.elongation_m_at(q) for joint, q in zip(self.joints, joint_angle_rad, strict=True))
+
+    def elongations_m(self, joint_angle_rad: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+        """Return the elongation [m] of fingers (n,) at their joint angles [rad], (n, 3)."""
+        half = 0.5 * joint_angle_rad
+        return np.asarray(np.sin(half) @ self._twice_offset + (1.0 - np.cos(half)) @ self._four_slopes)
 
     def pressure_for_angle(self, angle_deg: float) -> float:
         """Return the pressure [Pa gauge] at which the tip angle is ``angle_deg``, linear between points.
@@ -110,9 +130,9 @@ def load_calibration(path: Path | None = None) -> FingerCalibration:
     root.require_equal("schema", SCHEMA)
     root.require_equal("schema_version", SCHEMA_VERSION)
     joints = root.objects("joints", len(JOINTS))
-    curve = root.object("curve")
+    curve, analysis = root.object("curve"), root.object("fea").object("finger")
     finger = root.object("finger")
-    known = {"schema", "schema_version", "joints", "tendon", "chamber", "finger", "curve", "geometry"}
+    known = {"schema", "schema_version", "joints", "tendon", "chamber", "sliding", "finger", "curve", "geometry"}
     for name in ("targets_used", "fit_rmse", "provenance"):
         root.object(name)
     with root.naming_file():
@@ -120,8 +140,10 @@ def load_calibration(path: Path | None = None) -> FingerCalibration:
             joints=tuple(_build_joint(joint) for joint in joints),
             tendon=root.object("tendon").build(TendonCalibration),
             chamber=root.object("chamber").build(ChamberCalibration),
+            sliding=root.object("sliding").build(SlidingCalibration),
             finger=_build_body(finger),
             curve=_build_curve(curve),
+            analysis=build_cycle(analysis, fitted=analysis.list_of("fitted", bool)),
             geometry=MappingProxyType(root.object("geometry").raw),
             notes=MappingProxyType({key: value for key, value in root.raw.items() if key not in known}),
         )
@@ -134,6 +156,18 @@ def _build_joint(fields: Fields) -> JointCalibration:
 def _build_body(fields: Fields) -> FingerBody:
     positions = tuple(fields.numbers("joint_position_m", (3,)).tolist())
     return fields.build(FingerBody, joint_position_m=positions)
+
+
+def build_cycle(fields: Fields, *, fitted: tuple[bool, ...] | None = None) -> FingerCycle:
+    """Return a table of the complete finger from its fields."""
+    return fields.build(
+        FingerCycle,
+        branch=fields.list_of("branch", str),
+        pressure_pa_gauge=fields.numbers("pressure_pa_gauge", (None,)),
+        joint_angle_rad=fields.numbers("joint_angle_rad", (None, 3)),
+        chamber_volume_m3=fields.numbers("chamber_volume_m3", (None,)),
+        fitted=fitted,
+    )
 
 
 def _build_curve(fields: Fields) -> CalibrationCurve:

@@ -1,5 +1,8 @@
-"""Bench tests of the simulated finger and of its pressure control, held against the paper's words."""
+"""Bench tests of the simulated finger, held against the finite elements behind it and against the paper's words."""
 
-from softhand_sim.characterize.pressure_angle import PressureAngle, pressure_angle
+from softhand_sim.characterize.bench import Bench, Reading
+from softhand_sim.characterize.five_fingers import PressureAngle, pressure_angle
+from softhand_sim.characterize.report import Check, Curve, Panel, Report
+from softhand_sim.characterize.studies import STUDIES
 
-__all__ = ["PressureAngle", "pressure_angle"]
+__all__ = ["STUDIES", "Bench", "Check", "Curve", "Panel", "PressureAngle", "Reading", "Report", "pressure_angle"]

@@ -37,7 +37,7 @@ class StepsStudy:
     drift_pa: mean over the last second less the pressure when the valves shut for the last time, shape (r, s, 3);
         zero where they never shut.
     pulse_pa: largest change in one control period while a valve was open, shape (r, s, 3).
-    resolution_pa: one count of the sensor's converter.
+    resolution_pa, noise_pa: one count of the sensor's converter, and the deviation of its noise.
     """
 
     records: tuple[PressureRecord, ...]
@@ -45,6 +45,7 @@ class StepsStudy:
     drift_pa: npt.NDArray[np.float64]
     pulse_pa: npt.NDArray[np.float64]
     resolution_pa: float
+    noise_pa: float
 
     @property
     def upward(self) -> npt.NDArray[np.bool_]:
@@ -54,10 +55,11 @@ class StepsStudy:
     def held_below_within_a_pulse(self) -> bool:
         """Whether every held value on the way up is below the set one, by at most a count and a pulse.
 
-        A count above it passes: the sensor could not tell.
+        A count and two deviations of the noise above it pass: the sensor could not tell.
         """
         below, count = -self.held_minus_set_pa[:, self.upward], self.resolution_pa
-        return bool((below >= -count).all() and (below <= count + self.pulse_pa[:, self.upward]).all())
+        unseen = count + 2.0 * self.noise_pa
+        return bool((below >= -unseen).all() and (below <= count + self.pulse_pa[:, self.upward]).all())
 
     def signs_hold(self) -> bool:
         """Whether the pressure sags after each step up and creeps up after each step down.
@@ -104,6 +106,7 @@ def judge_steps(records: Sequence[PressureRecord], pneumatics: PneumaticSystem) 
         drift_pa=figures[:, :, 1],
         pulse_pa=figures[:, :, 2],
         resolution_pa=0.0 if sensor is None else sensor.resolution_pa,
+        noise_pa=0.0 if sensor is None else sensor.noise_pa,
     )
 
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from types import MappingProxyType
 
-from softhand_sim.effects import gravity, interference
+from softhand_sim.effects import gravity, interference, relaxation, sliding
 from softhand_sim.effects.effects import NEED_GAS, Effects
 from softhand_sim.effects.kind import Estimate
 from softhand_sim.effects.questions import rehearsed
@@ -52,6 +52,8 @@ QUESTIONS: Mapping[str, Callable[[SceneFacts], Estimate]] = MappingProxyType(
         "leaks": partial(rehearsed, name="leaks", what="a leak is declared"),
         "valve_delay": partial(rehearsed, name="valve_delay", what="dead time of the valves"),
         "sensor": partial(rehearsed, name="sensor", what="noise and steps of the readings"),
+        "sliding": sliding.question,
+        "relaxation": relaxation.question,
         "interference": interference.question,
         "gravity": gravity.question,
     }

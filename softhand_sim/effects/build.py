@@ -1,5 +1,6 @@
 """From effects to what a simulation is made of: parameters of the gas, changes to the model before it is compiled."""
 
+from dataclasses import replace
 from typing import Any
 
 from softhand_sim.calibration import FingerCalibration
@@ -8,6 +9,7 @@ from softhand_sim.control.protocol import Controller
 from softhand_sim.effects.effects import Effects
 from softhand_sim.effects.gravity import without_gravity
 from softhand_sim.effects.interference import without_interference
+from softhand_sim.losses import Losses
 from softhand_sim.pneumatics.system import PneumaticSystem
 
 TICK_S = 0.02
@@ -36,6 +38,12 @@ def build_pneumatics(
         leaks=effects.leaks or (),
         supply=effects.supply,
     )
+
+
+def build_losses(effects: Effects, calibration: FingerCalibration) -> Losses:
+    """Return friction and relaxation of the fingers, each only if the effects have it."""
+    with_both = Losses.of(calibration, effects.relaxation or ())
+    return with_both if effects.sliding is not None else replace(with_both, sliding=None)
 
 
 def apply_to_model(effects: Effects, root: Any) -> None:

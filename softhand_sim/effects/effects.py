@@ -4,17 +4,19 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from types import MappingProxyType
 
-from softhand_sim.effects import gas, gravity, interference, tube
+from softhand_sim.effects import gas, gravity, interference, relaxation, sliding, tube
 from softhand_sim.effects.gas import GasDynamics
 from softhand_sim.effects.gravity import FingerGravity
 from softhand_sim.effects.interference import FingerInterference
 from softhand_sim.effects.kind import ActsOn
+from softhand_sim.effects.sliding import SlidingHysteresis
 from softhand_sim.effects.tube import TubeResistance
 from softhand_sim.pneumatics.delay import ValveDelay
 from softhand_sim.pneumatics.leak import Leak
 from softhand_sim.pneumatics.sensor import PressureSensor
 from softhand_sim.pneumatics.supply import Supply
 from softhand_sim.pneumatics.thermal import Polytropic
+from softhand_sim.relaxation import CONDITIONED_SILICONE, MaxwellBranch
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,6 +39,10 @@ class Effects:
         Dead time of the valves (command).
     sensor
         Noise, saturation, quantisation of the readings (command).
+    sliding
+        Hysteresis from friction of the actuators (torque).
+    relaxation
+        Branches of the walls' relaxation (torque).
     interference
         Contact between fingers (model).
     gravity
@@ -55,6 +61,8 @@ class Effects:
     leaks: tuple[Leak, ...] | None = None
     valve_delay: ValveDelay | None = None
     sensor: PressureSensor | None = None
+    sliding: SlidingHysteresis | None = None
+    relaxation: tuple[MaxwellBranch, ...] | None = None
     interference: FingerInterference | None = None
     gravity: FingerGravity | None = None
 
@@ -62,8 +70,9 @@ class Effects:
         lost = [name for name in self.present if name in NEED_GAS]
         if self.gas is None and lost:
             raise ValueError(f"{lost[0]} = {getattr(self, lost[0])!r}: needs gas dynamics, gas is None")
-        if self.leaks is not None and not self.leaks:
-            raise ValueError("leaks = (): must be one or more, or None")
+        for name in ("leaks", "relaxation"):
+            if getattr(self, name) == ():
+                raise ValueError(f"{name} = (): must be one or more, or None")
 
     @property
     def present(self) -> tuple[str, ...]:
@@ -80,6 +89,8 @@ ACTS_ON: Mapping[str, ActsOn] = MappingProxyType(
         "leaks": ActsOn.FLOW,
         "valve_delay": ActsOn.COMMAND,
         "sensor": ActsOn.COMMAND,
+        "sliding": sliding.ACTS_ON,
+        "relaxation": relaxation.ACTS_ON,
         "interference": interference.ACTS_ON,
         "gravity": gravity.ACTS_ON,
     }
@@ -95,6 +106,7 @@ IDEAL = Effects()
 BENCH = Effects(
     gas=GasDynamics(),
     sensor=PressureSensor(),
+    sliding=SlidingHysteresis(),
     interference=FingerInterference(),
     gravity=FingerGravity(),
 )
@@ -107,6 +119,8 @@ FULL = Effects(
     supply=Supply(),
     valve_delay=ValveDelay(),
     sensor=PressureSensor(),
+    sliding=SlidingHysteresis(),
+    relaxation=CONDITIONED_SILICONE,
     interference=FingerInterference(),
     gravity=FingerGravity(),
 )

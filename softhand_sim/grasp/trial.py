@@ -10,7 +10,7 @@ import numpy as np
 from softhand_sim.calibration import FingerCalibration
 from softhand_sim.effects import BENCH, Effects
 from softhand_sim.effects.auto import Answer, choose
-from softhand_sim.effects.build import apply_to_model, build_pneumatics
+from softhand_sim.effects.build import apply_to_model, build_losses, build_pneumatics
 from softhand_sim.effects.scene import SceneFacts, Tolerance
 from softhand_sim.elements import ELEMENTS
 from softhand_sim.grasp.place import place_object
@@ -19,6 +19,7 @@ from softhand_sim.grasp.record import Recorder
 from softhand_sim.grasp.scripted import GraspPlan, plan_grasp
 from softhand_sim.grasp.verdict import Outcome, Thresholds, judge
 from softhand_sim.hand.scene import EngineSettings, Scene, build_scene
+from softhand_sim.losses import Losses
 from softhand_sim.objects.mjcf import attach_object
 from softhand_sim.objects.model import ObjectModel
 from softhand_sim.pneumatics.system import PneumaticSystem
@@ -56,6 +57,7 @@ class TrialSetup:
     scene: Scene
     plan: GraspPlan
     pneumatics: PneumaticSystem | None
+    losses: Losses
     protocol: LiftProtocol = field(default_factory=LiftProtocol)
     thresholds: Thresholds = field(default_factory=Thresholds)
     answers: tuple[Answer, ...] = ()
@@ -90,6 +92,7 @@ def prepare(
         scene=scene,
         plan=plan_grasp(model),
         pneumatics=build_pneumatics(effects, calibration),
+        losses=build_losses(effects, calibration),
         protocol=protocol or LiftProtocol(),
         answers=answers,
     )
@@ -107,7 +110,9 @@ def run_trial(setup: TrialSetup, seed: int, watch: Callable[[HandSimulation], No
     started = time.perf_counter()
     rng = np.random.default_rng(seed)
     offset = setup.protocol.draw_offset(rng)
-    simulation = HandSimulation(model=setup.scene.model, calibration=setup.calibration, pneumatics=setup.pneumatics)
+    simulation = HandSimulation(
+        model=setup.scene.model, calibration=setup.calibration, pneumatics=setup.pneumatics, losses=setup.losses
+    )
     simulation.reset(rng, setup.plan.standoff(setup.protocol.approach_m))
     place_object(simulation, setup.model.rest_height_m, offset)
     recorder = Recorder.of(simulation, setup.model.rest_height_m)

@@ -34,7 +34,7 @@ def add_hand(
     contact: ContactSettings,
 ) -> Any:
     """Add the hand to `root`'s world and return its palm body (frame: x to the fingers, z out of the palm)."""
-    _add_defaults(root, contact)
+    add_defaults(root, contact)
     palm = root.worldbody.add("body", name="palm", pos=(0, 0, START_HEIGHT_M), quat=PALM_DOWN)
     _add_wrist(root, palm, anatomy)
     moving = sum(_phalanx_mass_kg(calibration) for _ in FINGERS)
@@ -74,12 +74,15 @@ def _add_mounted_finger(palm: Any, name: str, calibration: FingerCalibration, an
     add_finger(base, name, calibration)
 
 
-def _add_defaults(root: mjcf.RootElement, contact: ContactSettings) -> None:
+def add_defaults(root: mjcf.RootElement, contact: ContactSettings) -> None:
+    """Add the default classes of pads, tubes, tendon points and palm."""
     common = {"solref": contact.solref, "friction": contact.friction(contact.pad_friction)}
     pad = root.default.add("default", dclass="pad")
     pad.geom.set_attributes(**common, condim=contact.condim, mass=0, rgba=(0.85, 0.82, 0.75, 1), group=1)
     tube = root.default.add("default", dclass="tube")
     tube.geom.set_attributes(**common, condim=contact.condim, rgba=(0.16, 0.17, 0.19, 1), group=1)
+    tendon = root.default.add("default", dclass="tendon")
+    tendon.site.set_attributes(size=(0.0005,), group=4)
     palm = root.default.add("default", dclass="palm")
     palm.geom.set_attributes(**common, condim=3, rgba=(0.24, 0.26, 0.30, 1), group=1)
 

@@ -39,8 +39,14 @@ def build_root(
     engine: EngineSettings | None = None,
 ) -> mjcf.RootElement:
     """MJCF of the hand alone in an empty world, with the engine's settings."""
-    root = mjcf.RootElement(model="softhand")
-    settings = engine or EngineSettings()
+    root = empty_root("softhand", engine or EngineSettings())
+    add_hand(root, calibration, anatomy or HandAnatomy(), contact or ContactSettings())
+    return root
+
+
+def empty_root(name: str, settings: EngineSettings) -> mjcf.RootElement:
+    """MJCF of an empty world with the engine's settings."""
+    root = mjcf.RootElement(model=name)
     root.compiler.set_attributes(angle="radian", autolimits=True)
     root.option.set_attributes(
         timestep=settings.timestep_s,
@@ -51,7 +57,6 @@ def build_root(
         jacobian="dense",
         gravity=(0.0, 0.0, -settings.gravity_m_per_s2),
     )
-    add_hand(root, calibration, anatomy or HandAnatomy(), contact or ContactSettings())
     return root
 
 

@@ -106,7 +106,7 @@ def test_forced_effects_stay_or_go(apple):
         with pytest.raises(ValueError, match="force"):
             choose(apple, WIDE, wrong)
     without_gas, _ = choose(apple, WIDE, {"gas": False})
-    assert set(without_gas.present) <= {"interference", "gravity"}
+    assert set(without_gas.present) <= {"sliding", "relaxation", "interference", "gravity"}
 
 
 @pytest.mark.parametrize(

@@ -7,18 +7,20 @@ import numpy as np
 import pytest
 
 from softhand_sim.effects import BENCH, FULL, IDEAL, PRESETS, Effects
-from softhand_sim.effects.build import apply_to_model, build_pneumatics
+from softhand_sim.effects.build import apply_to_model, build_losses, build_pneumatics
 from softhand_sim.effects.effects import ACTS_ON
 from softhand_sim.effects.gas import GasDynamics
 from softhand_sim.effects.interference import FingerInterference
 from softhand_sim.elements import ELEMENTS, FINGERS
 from softhand_sim.grasp.trial import prepare, run_trial
 from softhand_sim.hand.scene import EngineSettings, build_root, compile_scene
+from softhand_sim.losses import Losses
 from softhand_sim.objects.catalogue import make_object
 from softhand_sim.pneumatics.leak import Leak
 from softhand_sim.pneumatics.sensor import PressureSensor
 from softhand_sim.pneumatics.system import PneumaticSystem, default_elements
 from softhand_sim.pneumatics.tube import Tubing
+from softhand_sim.relaxation import CONDITIONED_SILICONE
 from softhand_sim.simulation import HandSimulation, default_pneumatics
 
 HOLE = (Leak(finger="index", start_s=0.3),)
@@ -26,9 +28,9 @@ EVERYTHING = replace(FULL, leaks=HOLE)
 NAMES = tuple(ACTS_ON)
 
 
-def closing(model, calibration, pneumatics, seconds=0.8, set_pa=60e3):
+def closing(model, calibration, pneumatics, losses=None, seconds=0.8, set_pa=60e3):
     """Joint angles (n, 15) and pressures (n, 3) of a hand that closes to one set pressure, palm down in the air."""
-    simulation = HandSimulation(model=model, calibration=calibration, pneumatics=pneumatics)
+    simulation = HandSimulation(model=model, calibration=calibration, pneumatics=pneumatics, losses=losses)
     simulation.reset(np.random.default_rng(3), np.array([0.0, 0.0, 0.4, 0.0, 0.0, 0.0]))
     simulation.set_pressure_pa_gauge = np.array([set_pa, 0.7 * set_pa, set_pa])
     rows = []
@@ -41,12 +43,13 @@ def closing(model, calibration, pneumatics, seconds=0.8, set_pa=60e3):
 def run(effects, calibration, **kwargs):
     root = build_root(calibration)
     apply_to_model(effects, root)
-    return closing(compile_scene(root).model, calibration, build_pneumatics(effects, calibration), **kwargs)
+    losses = build_losses(effects, calibration)
+    return closing(compile_scene(root).model, calibration, build_pneumatics(effects, calibration), losses, **kwargs)
 
 
 def test_presets_and_registry_name_every_effect():
     assert set(IDEAL.present) == set()
-    assert set(BENCH.present) == {"gas", "sensor", "interference", "gravity"}
+    assert set(BENCH.present) == {"gas", "sensor", "sliding", "interference", "gravity"}
     assert set(FULL.present) == set(NAMES) - {"leaks"}
     assert set(EVERYTHING.present) == set(NAMES)
     assert list(PRESETS) == ["ideal", "bench", "full"]
@@ -87,16 +90,32 @@ def test_absent_equals_never_written(calibration, name):
     with_all = build_pneumatics(EVERYTHING, calibration)
     without = replace(EVERYTHING, **{name: None})
     model = compile_scene(build_root(calibration)).model
-    expected = closing(model, calibration, WRITTEN_BY_HAND[name](with_all), seconds=0.5)
+    losses = Losses.of(calibration, CONDITIONED_SILICONE)
+    expected = closing(model, calibration, WRITTEN_BY_HAND[name](with_all), losses, seconds=0.5)
     assert run(without, calibration, seconds=0.5).tobytes() == expected.tobytes()
     # and the effect is no empty word
     assert run(EVERYTHING, calibration, seconds=0.5).tobytes() != expected.tobytes()
 
 
+@pytest.mark.parametrize("name", ["sliding", "relaxation"])
+def test_absent_losses_equal_never_written(calibration, name):
+    """Without friction as with a calibration that has none; without relaxation as the default simulation."""
+    rows = run(replace(replace(BENCH, relaxation=CONDITIONED_SILICONE), **{name: None}), calibration, seconds=0.5)
+    system, model = default_pneumatics(calibration), compile_scene(build_root(calibration)).model
+    losses = Losses.of(calibration)
+    if name == "sliding":
+        smooth = replace(calibration, sliding=replace(calibration.sliding, coefficient_per_rad=0.0))
+        losses = Losses.of(smooth, CONDITIONED_SILICONE)
+        assert losses.sliding is None
+    assert rows.tobytes() == closing(model, calibration, system, losses, seconds=0.5).tobytes()
+    both = run(replace(BENCH, relaxation=CONDITIONED_SILICONE), calibration, seconds=0.5)
+    assert rows.tobytes() != both.tobytes()
+
+
 def test_without_flow_effects_the_plain_gas_is_what_runs(calibration):
     """The parts of FULL taken away one after the other leave BENCH, to the bit."""
     effects = EVERYTHING
-    for name in ("leaks", "supply", "heat", "tube", "valve_delay"):
+    for name in ("leaks", "supply", "heat", "tube", "valve_delay", "relaxation"):
         effects = replace(effects, **{name: None})
     assert effects == BENCH
     state = build_pneumatics(effects, calibration).reset([2e-6] * 5, np.random.default_rng(0))
@@ -111,7 +130,8 @@ def test_without_gas_the_fingers_have_the_set_pressure_at_once(calibration):
     apply_to_model(IDEAL, root)
     model = compile_scene(root).model
     data, rest = mujoco.MjData(model), np.array([0.0, 0.0, 0.4, 0.0, 0.0, 0.0])
-    simulation = HandSimulation(model=model, calibration=calibration, pneumatics=None)
+    nothing = build_losses(IDEAL, calibration)
+    simulation = HandSimulation(model=model, calibration=calibration, pneumatics=None, losses=nothing)
     simulation.reset(np.random.default_rng(0), rest)
     index = simulation.index
     data.qpos[index.wrist_qpos] = rest

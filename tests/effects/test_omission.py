@@ -17,7 +17,7 @@ def test_each_variant_lacks_one_effect_and_what_needs_it():
     assert set(variants) == {*FULL.present, SCATTER}
     for name in set(FULL.present) - {"gas"}:
         assert set(variants[name].present) == set(FULL.present) - {name}
-    assert set(variants["gas"].present) == {"interference", "gravity"}
+    assert set(variants["gas"].present) == {"sliding", "relaxation", "interference", "gravity"}
     assert variants[SCATTER].present == FULL.present
 
 

@@ -6,6 +6,7 @@ import scipy.sparse as sp
 
 from fea.actuator import ActuatorMesh, actuator_model
 from fea.assembly import element_forces
+from fea.contact import ContactOptions
 from fea.contact_interface import ContactState
 from fea.exoskeleton import ExoskeletonMesh
 from fea.finger import CONTACT, OPTIONS, TPU, FingerMesh, analyse_finger, finger_lattices, finger_model
@@ -52,18 +53,18 @@ def test_lattices_are_bonded_on_the_cap_alone(slim):
     assert len(whole.elements) == sum(len(part.elements) for part in parts)
 
 
-def test_finger_bends_towards_the_palm_and_nothing_penetrates(model, result):
+def test_finger_bends_towards_the_palm_and_nothing_penetrates(slim, model, result):
     assert result.status is Status.CONVERGED
     np.testing.assert_allclose(result.pressure_pa_gauge, [0.0, 2e3, PRESSURE])
     assert (np.diff(result.joint_angle_rad, axis=0) > 0.0).all()
     np.testing.assert_allclose(result.tip_angle_rad, result.joint_angle_rad.sum(axis=1))
     assert (np.diff(result.volume_m3) > 0.0).all()
     assert (np.diff(result.tip_displacement_m) > 0.0).all()
-    assert (result.minimum_gap_m > 0.0).all()
-    # without contact the actuator would have left the clearance by now: it pushes, and stays outside
+    # without contact the actuator would have left the clearance by now: it pushes, and stays outside but for a few um
+    assert (result.minimum_gap_m > -0.05 * slim.clearance_m).all()
     assert result.contact_force_n[0] == 0.0
     assert result.contact_force_n[-1] > 0.0
-    assert result.minimum_gap_m[-1] < model.contact.options.activation_distance_m
+    assert result.minimum_gap_m[-1] < model.contact.options.law.distance_m
 
 
 def test_moment_of_the_thrust_bends_the_flexure(model, slim, result, exoskeleton):
@@ -77,6 +78,26 @@ def test_moment_of_the_thrust_bends_the_flexure(model, slim, result, exoskeleton
     flexure = (exoskeleton.moment_n_m[0, :2] / exoskeleton.angle_rad[0, :2]).mean()
     # the thrust's tension and the actuator inside keep the curved strip from flattening: stiffer than on its own
     assert flexure < moment / result.joint_angle_rad[-1, 1] < 1.6 * flexure
+
+
+def test_regions_without_separation_hold_the_actuator_in_the_sections_alone(slim, materials, model, result):
+    m = materials
+    held = finger_model(slim, m.silicone, m.pet, m.tpu, MESH, contact=SMOOTH, no_separation=True)
+    u = analyse_finger(held, slim, FingerPath((2e3, PRESSURE)))
+    assert u.status is Status.CONVERGED
+    region = held.contact.options.law.region
+
+    def farthest(model, u_m, in_section):
+        contact = model.contact.following(u_m)
+        chosen = region[contact.face] == in_section
+        return contact.gaps_m(u_m)[chosen].max()
+
+    assert farthest(held, u.u_m, 1) < 1.2 * slim.clearance_m
+    assert farthest(model, result.u_m, 1) > 1.5 * slim.clearance_m
+    assert farthest(held, u.u_m, 0) > 1.5 * slim.clearance_m
+    assert u.tip_angle_rad[-1] == pytest.approx(result.tip_angle_rad[-1], rel=0.1)
+    with pytest.raises(ValueError, match="regions need segments"):
+        finger_model(slim, m.silicone, m.pet, m.tpu, MESH, contact=ContactOptions(), no_separation=True)
 
 
 @pytest.fixture(scope="module")
@@ -204,14 +225,17 @@ def test_friction_alone_parts_the_branches(slim, materials):
 
 @pytest.mark.parametrize("pressure", [PRESSURE, 2.0 * PRESSURE])
 def test_the_whole_load_in_one_step_ends_where_small_steps_do(model, slim, pressure):
-    """The lower load was once too much: its linear step ran 30 times the load deep into the barrier."""
+    """The lower load was once too much: its linear step ran 30 times the load deep into the contact.
+
+    Faces are cut in other states on the two ways, hence 1e-4.
+    """
     fine = replace(OPTIONS, relative_tolerance=1e-6)
     steps = analyse_finger(model, slim, FingerPath((2e3, pressure)), options=fine)
     work, zero = workspace(model.solid), np.zeros_like(steps.u_m)
     once = solve_equilibrium(work, zero, Load(pressure_pa_gauge=pressure), fine, balanced=Load(), contact=model.contact)
     work.close()
     assert once.converged
-    np.testing.assert_allclose(once.u_m, steps.u_m, atol=1e-5 * np.abs(steps.u_m).max())
+    np.testing.assert_allclose(once.u_m, steps.u_m, atol=1e-4 * np.abs(steps.u_m).max())
 
 
 def test_tip_load_and_pressure_are_reciprocal(model, slim):

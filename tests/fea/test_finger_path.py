@@ -10,6 +10,10 @@ def test_pressure_goes_up_and_down():
     assert [path.branch(t) for t in path.targets] == ["loading", "loading", "unloading", "unloading"]
     assert [path.tip_load(t) for t in path.targets] == [0.0] * 4
     assert FingerPath((2e3, 5e3)).targets == [2e3, 5e3]
+    part = FingerPath((2e3, 4e3, 6e3, 8e3), unload=True, unload_to_pa_gauge=4e3)
+    assert [part.pressure(t) for t in part.targets] == [2e3, 4e3, 6e3, 8e3, 6e3, 4e3]
+    between = FingerPath((2e3, 8e3), unload=True, unload_to_pa_gauge=4e3)
+    assert [between.pressure(t) for t in between.targets] == [2e3, 8e3, 4e3]
 
 
 def test_tip_is_loaded_at_the_last_pressure():
@@ -27,6 +31,7 @@ def test_tip_is_loaded_at_the_last_pressure():
         ({"pressures_pa_gauge": (5e3, 2e3)}, "pressures_pa_gauge"),
         ({"pressures_pa_gauge": (5e3,), "tip_loads_n": (0.2, 0.1)}, "loads_n"),
         ({"pressures_pa_gauge": (5e3,), "tip_loads_n": (0.1,), "unload": True}, "give one of them"),
+        ({"pressures_pa_gauge": (5e3,), "unload": True, "unload_to_pa_gauge": 5e3}, "unload_to_pa_gauge = 5000"),
     ],
 )
 def test_bad_paths_are_refused(given, message):

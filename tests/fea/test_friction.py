@@ -92,14 +92,14 @@ def test_friction_builds_up_over_the_length_and_is_remembered(pair):
     contact = begin(pair.contact, u)
     half = u + step
     assert share(contact, half) == pytest.approx(0.75, rel=0.01)  # f(1/2) = 2/2 - 1/4
-    assert share(contact.advanced(half), half) == pytest.approx(0.75, rel=0.01)
+    assert share(contact.following(half), half) == pytest.approx(0.75, rel=0.01)
     far = u + 10.0 * step
-    slid = contact.advanced(far)
+    slid = contact.following(far)
     np.testing.assert_allclose(np.linalg.norm(slid.elastic_slip_m(far), axis=1).max(), 0.5 * SLIP, rtol=1e-6)
     for back, expected in ((1.0, 0.75), (2.0, 0.0), (4.0, -1.0)):
         assert share(slid, far - back * step) == pytest.approx(expected, abs=0.02)
     apart = over(pair, (0.0, 0.0, 0.05e-3))
-    assert not contact.advanced(apart).elastic_slip_m(apart).any()
+    assert not contact.following(apart).elastic_slip_m(apart).any()
 
 
 def test_slip_adds_up_along_the_way_to_and_fro():
@@ -131,22 +131,24 @@ def test_a_body_that_sticks_does_not_creep(pair):
     assert held(lambda _, u: begin(pair.contact, u)) < 0.8  # without the elastic slip it creeps
 
 
-def test_the_way_to_and_fro_costs_work_only_with_friction():
-    rough, smooth = sliding_loop(0.3, steps=6), sliding_loop(0.0, steps=6)
+@pytest.mark.parametrize(("contact", "exact"), [("segments", 2e-3), ("barrier", 1e-5)])
+def test_the_way_to_and_fro_costs_work_only_with_friction(contact, exact):
+    """Segments are cut anew each step, so their energy is the same on the way back to the error of their integral."""
+    rough, smooth = sliding_loop(0.3, contact=contact, steps=6), sliding_loop(0.0, contact=contact, steps=6)
     there, back = rough.sliding
     assert there == pytest.approx(0.3, rel=0.02)
     assert back == pytest.approx(-0.3, rel=0.02)
     scale = float(rough.normal_n.mean()) * np.ptp(rough.moved_m)
     assert rough.work_j > 0.2 * scale
-    assert abs(smooth.work_j) < 1e-5 * scale
-    np.testing.assert_allclose(smooth.ratio, smooth.ratio[::-1], atol=1e-5)
-    assert abs(rough.ratio[rough.forward]) < 0.2  # it sticks where it turns back
+    assert abs(smooth.work_j) < exact * scale
+    np.testing.assert_allclose(smooth.ratio, smooth.ratio[::-1], atol=exact)
+    assert abs(rough.ratio[rough.forward]) < 0.25  # it sticks where it turns back
     assert (np.abs(rough.ratio) < 0.3 * 1.02).all()
 
 
-@pytest.mark.parametrize("friction", [0.1, 0.8])
-def test_sliding_begins_at_the_coefficient(friction):
-    assert sliding(friction, steps=6).error < 0.02
+@pytest.mark.parametrize(("contact", "friction"), [("segments", 0.1), ("segments", 0.8), ("barrier", 0.8)])
+def test_sliding_begins_at_the_coefficient(contact, friction):
+    assert sliding(friction, contact=contact, steps=6).error < 0.02
 
 
 def pull(pair):

@@ -33,6 +33,7 @@ def one_pair(limit_n: float = 2.0) -> TangentialPairs:
     return TangentialPairs(
         nodes=np.array([[0, 1, 0, 0]]),
         weight=np.array([[1.0, -1.0, 0.0, 0.0]]),
+        side=np.array([[1.0, -1.0, 0.0, 0.0]]),
         plane=np.eye(3)[None, :, :2],
         limit_n=np.array([limit_n]),
         length_m=LENGTH,
@@ -116,4 +117,4 @@ def test_pairs_that_take_away_turn_the_sign():
     assert not both.force_n(slip).any()
 
 
-_ROWS = ("nodes", "weight", "plane", "limit_n")
+_ROWS = ("nodes", "weight", "side", "plane", "limit_n")

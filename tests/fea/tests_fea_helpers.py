@@ -11,6 +11,9 @@ from fea.lattice import Lattice, build_mesh, free_faces, symmetry_nodes
 from fea.newton import Status
 from fea.surrogate import Surrogate
 
+TURNED = 0.3
+"""How far down the way back goes, as a share of the last pressure."""
+
 
 def tube_model(lattice: Lattice, laws: dict) -> SolidModel:
     """A tube between two planes that slide in themselves: both ends keep their u_z, the lower one at 0."""
@@ -28,9 +31,16 @@ def tube_model(lattice: Lattice, laws: dict) -> SolidModel:
 
 
 def finger_like(surrogate: Surrogate, pressures: list[float], bulging: Callable[[float], float]) -> FingerResult:
-    """What analysis (iii) would return if the finger were a surrogate: bulging(lengthening) is volume per pressure."""
-    pressure = np.array([0.0, *pressures])
-    angle = np.array([surrogate.angles(p) for p in pressure])
+    """What analysis (iii) would return if the finger were a surrogate: bulging(lengthening) is volume per pressure.
+
+    With friction also the way back, whose slip has turned from its first state on (a very stiff friction).
+    """
+    way_back = (
+        [p for p in pressures[-2::-1] if p >= TURNED * pressures[-1]] if surrogate.sliding.stiffness_n_per_m else []
+    )
+    pressure = np.array([0.0, *pressures, *way_back])
+    up = [surrogate.angles(p) for p in (0.0, *pressures)]
+    angle = np.array([*up, *(surrogate.unloading_angles(p) for p in way_back)])
     lengthening = [surrogate.lengthening_m(q) for q in angle]
     volume = [surrogate.chamber.volume(d, 0.0) + p * bulging(d) for p, d in zip(pressure, lengthening, strict=True)]
     return finger_result(pressure, angle, np.array(volume))
@@ -39,8 +49,9 @@ def finger_like(surrogate: Surrogate, pressures: list[float], bulging: Callable[
 def finger_result(pressure, angle, volume) -> FingerResult:
     """A result of analysis (iii) of which only angles and volume matter."""
     zero = np.zeros_like(pressure)
+    top = int(np.argmax(pressure))
     return FingerResult(
-        branch=("loading",) * len(pressure),
+        branch=tuple("loading" if k <= top else "unloading" for k in range(len(pressure))),
         pressure_pa_gauge=pressure,
         tip_load_n=zero,
         tip_angle_rad=angle.sum(axis=1),

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from assets import asset_path
+from softhand_sim.calibration import JOINTS
 from softhand_sim.characterize import pressure_angle
 from softhand_sim.elements import FINGERS
 from softhand_sim.hand.anatomy import FingerMount, HandAnatomy
@@ -31,32 +32,6 @@ assert not data.warning.number.any(), data.warning.number
 """
 
 
-@pytest.fixture(scope="module")
-def rest(calibration):
-    return pressure_angle(calibration, [0.0, 10e3, 25e3, 37e3, 50e3, 62.5e3, 75e3, 80e3])
-
-
-def test_paper_angle_in_every_finger(rest):
-    at_75 = rest.tip_angle_deg[list(rest.pressure_pa_gauge).index(75e3)]
-    assert at_75 == pytest.approx(np.full(len(FINGERS), 95.0), abs=2.0)
-
-
-def test_angle_rises_with_pressure(rest):
-    assert (np.diff(rest.tip_angle_deg, axis=0) > 1.0).all()
-
-
-def test_fingers_agree_with_the_calibration_curve(rest, calibration):
-    own = [calibration.angle_for_pressure(p) for p in rest.pressure_pa_gauge]
-    assert np.abs(rest.tip_angle_deg - np.array(own)[:, None]).max() < 1.0
-
-
-def test_each_joint_agrees_with_the_calibration_curve(rest, calibration):
-    curve = calibration.curve
-    for joint in range(3):
-        own = np.interp(rest.pressure_pa_gauge, curve.pressure_pa_gauge, curve.joint_angle_deg[:, joint])
-        assert np.abs(rest.joint_angle_deg[:, :, joint] - own[:, None]).max() < 1.0
-
-
 def test_pressure_outside_the_curve_is_refused(calibration):
     with pytest.raises(ValueError, match="pressure_pa_gauge = 200000"):
         pressure_angle(calibration, [200e3])
@@ -69,12 +44,37 @@ def test_tendon_force_is_the_derivative_of_chamber_volume(calibration):
     data.qpos[index.joint_qpos] = [0.3, 0.5, 0.4]
     data.ctrl[index.pressure_ctrl] = 40e3
     mujoco.mj_forward(model, data)
-    delta = float(data.ten_length[index.tendon[0]])
+    delta = float(index.elongations_m(data)[0])
     assert delta == pytest.approx(calibration.elongation_m((0.3, 0.5, 0.4)), rel=1e-12)
     chamber, h = calibration.chamber, 1e-6
     slope = (chamber.volume_m3_at(delta + h) - chamber.volume_m3_at(delta - h)) / (2 * h)
     forces = data.actuator_force[index.pressure_ctrl]
     assert forces == pytest.approx(np.full(len(FINGERS), 40e3 * slope), rel=1e-6)
+
+
+def test_joint_torques_are_those_of_the_calibration_s_laws(calibration):
+    """Springs, tendon and pressure through the engine's path over the joints, against the closed forms."""
+    model = compile_scene(build_root(calibration, engine=EngineSettings(gravity_m_per_s2=0.0))).model
+    data, index = mujoco.MjData(model), HandIndex.of(model)
+    angles, pressure, h = np.array([0.2, 0.6, 0.45]), 55e3, 1e-6
+    data.qpos[index.joint_qpos] = angles
+    data.ctrl[index.pressure_ctrl] = pressure
+    mujoco.mj_forward(model, data)
+    a, b, c = calibration.tendon.polynomial
+
+    def potential(q):
+        d = calibration.elongation_m(tuple(q))
+        joints = sum(
+            x**2 * (k / 2 + x * (m / 3 + x * n / 4))
+            for x, (k, m, n) in zip(q, [j.polynomial for j in calibration.joints], strict=True)
+        )
+        return joints + d**2 * (a / 2 + d * (b / 3 + d * c / 4)) - pressure * calibration.chamber.volume_m3_at(d)
+
+    steps = h * np.eye(3)
+    torque = [-(potential(angles + step) - potential(angles - step)) / (2 * h) for step in steps]
+    for finger in FINGERS:
+        dofs = [model.joint(f"{finger}_{joint}").dofadr[0] for joint in JOINTS]
+        assert (data.qfrc_actuator + data.qfrc_passive)[dofs] == pytest.approx(torque, rel=1e-5, abs=1e-8)
 
 
 def test_mass_is_the_paper_s(calibration):

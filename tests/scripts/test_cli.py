@@ -58,6 +58,8 @@ def test_bad_meshes_and_masses(file, more, told, meshes, capsys):
         (characterize.main, ["pressure-angle", "--pressures", "10,900"], "900000"),
         (characterize.main, ["pressure-angle", "--pressures", "ten"], "--pressures"),
         (characterize.main, ["dance"], "dance"),
+        (characterize.main, ["tip-load", "--pressures", "10"], "--pressures"),
+        (characterize.main, ["tip-force", "--evidence", "/nowhere/evidence.json"], "evidence.json"),
         (calibrate.main, ["--density", "infinite"], "--density"),
     ],
 )
@@ -114,3 +116,13 @@ def test_characterize_writes_the_agreed_keys(tmp_path):
     assert data["pressure_pa_gauge"] == [10e3, 37e3, 75e3]
     assert data["tip_angle_deg"][2] == pytest.approx(95.0, abs=2.0)
     assert [sum(row) for row in data["joint_angle_deg"]] == pytest.approx(data["tip_angle_deg"])
+
+
+def test_characterize_writes_what_it_checks(tmp_path, capsys):
+    out = tmp_path / "tip_force.json"
+    assert characterize.main(["tip-force", "--json", str(out), "--pictures", str(tmp_path)]) == 0
+    data = json.loads(out.read_text())
+    assert all(check["holds"] for check in data["checks"])
+    assert len(data["tip_force_n"]) == len(data["fea_tip_force_n"]) == len(data["pressure_pa_gauge"])
+    assert (tmp_path / "tip-force.png").is_file()
+    assert "blocked tip force" in capsys.readouterr().out
