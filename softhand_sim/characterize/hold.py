@@ -11,6 +11,7 @@ from softhand_sim.calibration import FingerCalibration
 from softhand_sim.characterize.bands import confidence_band
 from softhand_sim.characterize.pressure_run import PressureRecord, Stretch, run_schedule
 from softhand_sim.elements import ELEMENTS
+from softhand_sim.losses import Losses
 from softhand_sim.pneumatics.system import PneumaticSystem
 
 SET_PA = 75e3
@@ -66,12 +67,12 @@ class HoldStudy:
 
 
 def run_hold(
-    calibration: FingerCalibration, pneumatics: PneumaticSystem, seeds: Sequence[int]
+    calibration: FingerCalibration, pneumatics: PneumaticSystem, seeds: Sequence[int], losses: Losses | None = None
 ) -> Iterator[PressureRecord]:
     """Run the test once for each seed of the sensors' noise; judge the records with `judge_hold`."""
     for seed in seeds:
         schedule = [Stretch(duration_s=SETTLE_S + HOLD_S, set_pa_gauge=SET_PA)]
-        yield run_schedule(calibration, pneumatics, schedule, seed)
+        yield run_schedule(calibration, pneumatics, schedule, seed, losses)
 
 
 def judge_hold(records: Sequence[PressureRecord]) -> HoldStudy:

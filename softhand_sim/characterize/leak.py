@@ -14,6 +14,7 @@ from softhand_sim.characterize.pressure_run import PressureRecord, Stretch, run_
 from softhand_sim.control.outcome import ControlOutcome, control_outcome
 from softhand_sim.control.protocol import Answer, Controller, ControllerState, ValveCommand
 from softhand_sim.elements import ELEMENTS
+from softhand_sim.losses import Losses
 from softhand_sim.pneumatics.leak import Leak
 from softhand_sim.pneumatics.orifice import Orifice
 from softhand_sim.pneumatics.system import PneumaticSystem
@@ -120,12 +121,16 @@ def leaking(pneumatics: PneumaticSystem, case: LeakCase) -> PneumaticSystem:
 
 
 def run_leak(
-    calibration: FingerCalibration, pneumatics: PneumaticSystem, case: LeakCase, seeds: Sequence[int]
+    calibration: FingerCalibration,
+    pneumatics: PneumaticSystem,
+    case: LeakCase,
+    seeds: Sequence[int],
+    losses: Losses | None = None,
 ) -> Iterator[PressureRecord]:
     """Run a case once for each seed of the sensors' noise; judge the records with `judge_leak`."""
     system = leaking(pneumatics, case)
     for seed in seeds:
-        yield run_schedule(calibration, system, [Stretch(duration_s=RUN_S, set_pa_gauge=SET_PA)], seed)
+        yield run_schedule(calibration, system, [Stretch(duration_s=RUN_S, set_pa_gauge=SET_PA)], seed, losses)
 
 
 def judge_leak(records: Sequence[PressureRecord], case: LeakCase) -> LeakStudy:

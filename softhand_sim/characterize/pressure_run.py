@@ -11,6 +11,7 @@ from softhand_sim.calibration import FingerCalibration
 from softhand_sim.control.protocol import ValveCommand
 from softhand_sim.elements import ELEMENTS
 from softhand_sim.hand.scene import EngineSettings, build_root, compile_scene
+from softhand_sim.losses import Losses
 from softhand_sim.pneumatics.system import PneumaticSystem
 from softhand_sim.simulation import HandSimulation
 
@@ -53,7 +54,11 @@ class PressureRecord:
 
 
 def run_schedule(
-    calibration: FingerCalibration, pneumatics: PneumaticSystem, schedule: Sequence[Stretch], seed: int
+    calibration: FingerCalibration,
+    pneumatics: PneumaticSystem,
+    schedule: Sequence[Stretch],
+    seed: int,
+    losses: Losses | None = None,
 ) -> PressureRecord:
     """Run a schedule from empty fingers at rest.
 
@@ -69,6 +74,8 @@ def run_schedule(
         What is asked for, one stretch after the other; times are rounded to whole control periods.
     seed
         Of the sensors' noise.
+    losses
+        Friction and relaxation of the fingers; by default the calibration's friction alone.
 
     Raises
     ------
@@ -79,7 +86,7 @@ def run_schedule(
         calibration.angle_for_pressure(stretch.set_pa_gauge)
     model = compile_scene(build_root(calibration, engine=EngineSettings(gravity_m_per_s2=0.0))).model
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT
-    simulation = HandSimulation(model=model, calibration=calibration, pneumatics=pneumatics)
+    simulation = HandSimulation(model=model, calibration=calibration, pneumatics=pneumatics, losses=losses)
     simulation.reset(np.random.default_rng(seed), np.array([0.0, 0.0, 0.3, 0.0, 0.0, 0.0]))
     steps = round(pneumatics.tick_s / simulation.dt)
     rows: list[tuple[float, float, Vector, Vector, Vector]] = []

@@ -12,6 +12,7 @@ from softhand_sim.calibration import FingerCalibration
 from softhand_sim.characterize.bands import confidence_band
 from softhand_sim.characterize.pressure_run import PressureRecord, Stretch, run_schedule
 from softhand_sim.elements import ELEMENTS
+from softhand_sim.losses import Losses
 from softhand_sim.pneumatics.system import PneumaticSystem
 
 SET_PA = (15e3, 30e3, 45e3, 30e3, 15e3, 0.0)
@@ -87,12 +88,12 @@ class StepsStudy:
 
 
 def run_steps(
-    calibration: FingerCalibration, pneumatics: PneumaticSystem, seeds: Sequence[int]
+    calibration: FingerCalibration, pneumatics: PneumaticSystem, seeds: Sequence[int], losses: Losses | None = None
 ) -> Iterator[PressureRecord]:
     """Run the test once for each seed of the sensors' noise; judge the records with `judge_steps`."""
     for seed in seeds:
         schedule = [Stretch(duration_s=STEP_S, set_pa_gauge=p) for p in SET_PA]
-        yield run_schedule(calibration, pneumatics, schedule, seed)
+        yield run_schedule(calibration, pneumatics, schedule, seed, losses)
 
 
 def judge_steps(records: Sequence[PressureRecord], pneumatics: PneumaticSystem) -> StepsStudy:

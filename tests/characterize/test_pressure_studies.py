@@ -1,10 +1,12 @@
 """Bench tests of the paper: steps, hold, leak; and what they would say of pressures that did otherwise."""
 
+import json
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from scripts.characterize import main
 from softhand_sim.characterize.bands import confidence_band
 from softhand_sim.characterize.hold import HOLD_S, LIMIT_PA, SET_PA, SETTLE_S, judge_hold, run_hold
 from softhand_sim.characterize.leak import LeakCase, judge_leak, run_leak
@@ -115,3 +117,16 @@ def test_band_is_students():
 def test_set_pressure_without_an_angle_is_refused(calibration, system):
     with pytest.raises(ValueError, match="pressure_pa_gauge"):
         run_schedule(calibration, system, [Stretch(duration_s=1.0, set_pa_gauge=200e3)], 0)
+
+
+def test_script_runs_a_pressure_test(tmp_path, capsys):
+    out = tmp_path / "steps.json"
+    command = ["steps", "--effects", "bench", "--repeats", "2", "--json", str(out), "--pictures", str(tmp_path)]
+    assert main(command) == 0
+    data = json.loads(out.read_text())
+    assert len(data["checks"]) == 4
+    assert np.shape(data["held_minus_set_pa_band"]) == (6, 3)
+    assert (tmp_path / "steps.png").stat().st_size > 10_000
+    assert "stated:" in capsys.readouterr().out
+    with pytest.raises(SystemExit):
+        main(["steps", "--repeats", "1"])
