@@ -6,6 +6,7 @@ import numpy as np
 
 from softhand_sim.calibration import FingerCalibration
 from softhand_sim.characterize import hold, leak, steps
+from softhand_sim.characterize.bands import confidence_band
 from softhand_sim.characterize.pressure_run import PressureRecord
 from softhand_sim.characterize.report import Check, Curve, Panel, Report, Source
 from softhand_sim.control.outcome import ControlOutcome
@@ -110,16 +111,18 @@ def _built(calibration: FingerCalibration, effects: Effects) -> tuple[PneumaticS
 
 
 def _panel(title: str, records: Sequence[PressureRecord]) -> Panel:
-    """Return mean and set pressure of the index finger over time; the bands are among the figures."""
+    """Return mean and set pressure of the index finger over time, with its 95 % band."""
     first = records[0]
-    mean = np.mean([record.pressure_pa_gauge[:, _INDEX] for record in records], axis=0)
+    band = confidence_band(np.stack([record.pressure_pa_gauge[:, _INDEX] for record in records]) / 1e3)
     time = first.time_s.tolist()
     return Panel(
         title=title,
         x_label="time / s",
         y_label="pressure of the index / kPa gauge",
         curves=(
-            Curve(source=Source.SURROGATE, x=time, y=(mean / 1e3).tolist(), label="held"),
+            Curve(
+                source=Source.SURROGATE, x=time, y=band.mean.tolist(), label="held", half_width=band.half_width.tolist()
+            ),
             Curve(source=Source.SURROGATE, x=time, y=(first.set_pa_gauge / 1e3).tolist(), label="set"),
         ),
     )

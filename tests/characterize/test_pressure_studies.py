@@ -10,9 +10,8 @@ from scripts.characterize import main
 from softhand_sim.characterize.bands import confidence_band
 from softhand_sim.characterize.hold import HOLD_S, LIMIT_PA, SET_PA, SETTLE_S, judge_hold, run_hold
 from softhand_sim.characterize.leak import LeakCase, judge_leak, run_leak
-from softhand_sim.characterize.pressure_plots import draw_pressures, element_runs
 from softhand_sim.characterize.pressure_run import PressureRecord, Stretch, run_schedule
-from softhand_sim.characterize.steps import STATED, judge_steps, run_steps
+from softhand_sim.characterize.steps import judge_steps, run_steps
 from softhand_sim.control.onoff import OnOffController
 from softhand_sim.control.outcome import ControlOutcome
 from softhand_sim.control.protocol import ValveCommand
@@ -36,7 +35,7 @@ def warm(system):
 
 
 @pytest.mark.parametrize("kind", ["system", "warm"])
-def test_steps_hold_below_and_drift_as_stated(calibration, kind, request, tmp_path):
+def test_steps_hold_below_and_drift_as_stated(calibration, kind, request):
     pneumatics = request.getfixturevalue(kind)
     study = judge_steps(list(run_steps(calibration, pneumatics, SEEDS)), pneumatics)
     assert study.held_below_within_a_pulse()
@@ -47,10 +46,6 @@ def test_steps_hold_below_and_drift_as_stated(calibration, kind, request, tmp_pa
     assert np.shape(figures["held_minus_set_pa"]) == np.shape(figures["held_minus_set_pa_band"]) == (6, 3)
     if kind == "warm":  # gas that cools after a fill sags by more than the finger's lag explains
         assert study.drift_pa[:, :3, :2].mean() < -1e3
-        return
-    picture = tmp_path / "steps.png"
-    draw_pressures(picture, element_runs(study.records), title="Steps", stated=STATED, ours=("",))
-    assert picture.stat().st_size > 10_000
 
 
 def test_hold_is_steady_for_a_minute(calibration, system):
