@@ -12,6 +12,7 @@ _STYLE: dict[Source, dict[str, Any]] = {
     Source.FEA_FITTED: {"color": "black", "marker": "o", "linestyle": "none", "markersize": 5},
     Source.FEA: {"color": "black", "marker": "o", "linestyle": "none", "markersize": 5, "fillstyle": "none"},
     Source.SURROGATE: {"color": "tab:blue", "linewidth": 1.6},
+    Source.COMMAND: {"color": "gray", "linewidth": 1.0, "linestyle": "--"},
     Source.PAPER: {"color": "tab:red", "marker": "*", "linestyle": "none", "markersize": 14},
 }
 

@@ -120,9 +120,7 @@ def _panel(title: str, records: Sequence[PressureRecord]) -> Panel:
         x_label="time / s",
         y_label="pressure of the index / kPa gauge",
         curves=(
-            Curve(
-                source=Source.SURROGATE, x=time, y=band.mean.tolist(), label="held", half_width=band.half_width.tolist()
-            ),
-            Curve(source=Source.SURROGATE, x=time, y=(first.set_pa_gauge / 1e3).tolist(), label="set"),
+            Curve(source=Source.SURROGATE, x=time, y=band.mean.tolist(), half_width=band.half_width.tolist()),
+            Curve(source=Source.COMMAND, x=time, y=(first.set_pa_gauge / 1e3).tolist()),
         ),
     )

@@ -13,6 +13,7 @@ class Source(Enum):
     FEA = "finite elements, not seen by the fit"
     SURROGATE = "simulated finger (MuJoCo)"
     PAPER = "paper (stated in its text)"
+    COMMAND = "set value"
 
 
 @dataclass(frozen=True, kw_only=True)
