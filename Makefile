@@ -15,7 +15,7 @@ $(STAMP): pyproject.toml constraints.txt
 
 # material sheet -> finite elements -> calibration -> hand -> gas and valves -> grasps -> table
 bench: $(STAMP)
-	$(BIN)/python scripts/calibrate.py --density coarse --out out/bench/finger.json --json out/bench/calibrate.json
+	$(BIN)/python scripts/calibrate.py --density coarse --store out/bench/fingers --out out/bench/finger.json --json out/bench/calibrate.json
 	$(BIN)/python scripts/grasp_benchmark.py --calibration out/bench/finger.json --objects all --trials 4 \
 	  --seed 0 --workers $(WORKERS) --json out/bench/grasps.json --pictures out/bench
 

@@ -72,6 +72,9 @@ class SoftHandGraspEnv(gymnasium.Env[Vector, Vector]):
     centre within 0.15 m of that point. The episode terminates when the object is more than 0.5 m from its start or
     the simulation diverges (``info["diverged"]``), and is truncated after 200 steps (10 s).
 
+    ``info["beyond_calibration"]`` tells that a joint angle or a pressure has left the range that the finger was
+    calibrated in since the start, so that its torque is extrapolated (a pressure: cut).
+
     ## Start
 
     The hand stands open above the scripted grasp pose; the object lies up to 10 mm and 10 degrees off its place
@@ -206,11 +209,17 @@ class SoftHandGraspEnv(gymnasium.Env[Vector, Vector]):
         return float(reach + lift + float(self._lifted_s >= HELD_S))
 
     def _info(self) -> dict[str, Any]:
-        return {"is_success": self._lifted_s >= HELD_S, "object_height_m": self._height_m(), "diverged": False}
+        return {
+            "is_success": self._lifted_s >= HELD_S,
+            "object_height_m": self._height_m(),
+            "diverged": False,
+            "beyond_calibration": bool(self._simulation.range_watch.beyond()),
+        }
 
     def _lost(self) -> tuple[Vector, float, bool, bool, dict[str, Any]]:
         low, high = observation_bounds()
-        info = {"is_success": False, "object_height_m": 0.0, "diverged": True}
+        beyond = bool(self._simulation.range_watch.beyond())
+        info = {"is_success": False, "object_height_m": 0.0, "diverged": True, "beyond_calibration": beyond}
         return np.clip(np.zeros_like(low), low, high), 0.0, True, False, info
 
     def _observation(self) -> Vector:

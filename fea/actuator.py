@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.sparse as sp
 
 from fea.arrays import F64, Bool
 from fea.assembly import SolidModel
@@ -142,10 +143,11 @@ def analyse_actuator(
     if cavity is None:
         raise ValueError("model: an actuator needs its cavity")
     zero = np.zeros_like(solid.points_m)
-    rows = [_measure(model, geometry, 0.0, zero)]
+    solver = SymmetricSolver()
+    rows = [_measure(model, geometry, 0.0, zero, solver)]
 
     def record(pressure: float, u_m: F64) -> None:
-        rows.append(_measure(model, geometry, pressure, u_m))
+        rows.append(_measure(model, geometry, pressure, u_m, solver))
         progress()
 
     outcome = follow(
@@ -156,6 +158,7 @@ def analyse_actuator(
         on_target=record,
         sweep=sweep,
     )
+    solver.close()
     pressure, lengthening, volume, growth, stretch, area = np.array(rows).T
     return ActuatorResult(
         pressure_pa_gauge=pressure,
@@ -173,7 +176,9 @@ def analyse_actuator(
     )
 
 
-def _measure(model: SolidModel, geometry: FingerGeometry, pressure: float, u_m: F64) -> list[float]:
+def _measure(
+    model: SolidModel, geometry: FingerGeometry, pressure: float, u_m: F64, solver: SymmetricSolver
+) -> list[float]:
     solid: SolidMesh = model.mesh
     r, _, z = solid.cylindrical.T
     top = np.isclose(z, geometry.actuator_length_m)
@@ -184,26 +189,24 @@ def _measure(model: SolidModel, geometry: FingerGeometry, pressure: float, u_m: 
     assert model.cavity is not None
     volume = 2.0 * model.cavity.volume_m3(solid.points_m + u_m)
     stretch = model.max_stretch(u_m, SILICONE)
-    area = _thrust_area(model, top, u_m, pressure)
+    area = _thrust_area(model, top, u_m, pressure, solver)
     return [pressure, float(u_m[top, 2].mean()), volume, float(growth.mean()), stretch, area]
 
 
-def _thrust_area(model: SolidModel, top: Bool, u_m: F64, pressure: float) -> float:
+def _thrust_area(model: SolidModel, top: Bool, u_m: F64, pressure: float, solver: SymmetricSolver) -> float:
     """Return dV/d(lengthening) at constant pressure when the cap moves as one, as it does on the finger's end plate.
 
-    One linear solve gives the flexibility S of the cap's nodes; nodal forces f with S f = 1 move them by one together.
+    One linear solve: the other nodes' answer to a unit displacement of the cap's.
     """
     state = model.evaluate(u_m, Load(pressure_pa_gauge=pressure))
     if state is None or state.tangent is None or model.cavity is None:
         raise ValueError("u_m: not an admissible state of the actuator")
-    dofs = np.searchsorted(model.free, 3 * np.flatnonzero(top) + 2)
-    unit = np.zeros((len(model.free), len(dofs)))
-    unit[dofs, np.arange(len(dofs))] = 1.0
-    solver = SymmetricSolver()
-    response = solver.solve(state.tangent, unit)
-    solver.close()
-    if response is None:
+    held = np.isin(model.free, 3 * np.flatnonzero(top) + 2)
+    upper = sp.csr_array(state.tangent)
+    rest = upper[~held]
+    pull: F64 = np.asarray(rest[:, held].sum(axis=1) + upper[held][:, ~held].sum(axis=0), dtype=np.float64)
+    answer = solver.solve(sp.csr_array(rest[:, ~held]), -pull)
+    if answer is None:
         raise ValueError("u_m: the tangent is singular at this state")
-    forces = np.linalg.solve(response[dofs], np.ones(len(dofs)))
     volume_gradient = model.cavity.derivatives(model.mesh.points_m + u_m)[0].ravel()[model.free]
-    return 2.0 * float(volume_gradient @ (response @ forces))
+    return 2.0 * float(volume_gradient[held].sum() + volume_gradient[~held] @ answer)

@@ -12,6 +12,7 @@ import numpy as np
 
 from fea.actuator import ActuatorResult
 from fea.calibration import TARGET_PRESSURE_PA_GAUGE, TARGET_TIP_ANGLE_DEG, Calibration
+from fea.checkpoint import content_hash
 from fea.compiled import kernel_name
 from fea.exoskeleton import LOADS_N, ExoskeletonResult
 from fea.finger import CONTACT, MESHES, FingerResult
@@ -27,7 +28,15 @@ DAMPING_RATIO = 0.5
 
 
 def artifact(c: Calibration) -> dict[str, Any]:
-    """Return the calibration file's contents; deterministic, SI units, JSON ready."""
+    """Return the calibration file's contents; deterministic, SI units, JSON ready.
+
+    Its last field, ``content_sha256``, is the SHA-256 of the others (:func:`fea.checkpoint.content_hash`).
+    """
+    contents = _contents(c)
+    return contents | {"content_sha256": content_hash(contents)}
+
+
+def _contents(c: Calibration) -> dict[str, Any]:
     s = c.fit.surrogate
     pressures = [p for p in CURVE_PRESSURES_PA_GAUGE if p <= c.finger.pressure_pa_gauge.max()]
     curve = np.rad2deg([s.angles(p) for p in pressures])

@@ -1,6 +1,7 @@
 """Calibration of the finger: run the three analyses and reduce them; find the sector that gives the stated angle."""
 
 from collections.abc import Callable
+from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -62,17 +63,34 @@ def load_materials(silicone_set: str | None = None, tpu_set: str | None = None) 
 
 
 def calibrate(
-    geometry: FingerGeometry, materials: Materials, density: Density, *, progress: Callable[[], None] = lambda: None
+    geometry: FingerGeometry,
+    materials: Materials,
+    density: Density,
+    *,
+    progress: Callable[[], None] = lambda: None,
+    beside: Executor | None = None,
 ) -> Calibration:
     """Run analyses (i), (ii) and (iii) and reduce them.
+
+    With ``beside``, a pool of one process, (i) and (ii) run there while (iii) runs here; the result is the same.
 
     Raises
     ------
     ValueError
         If too few load steps of one of them converged.
     """
-    actuator, actuator_mass = run_actuator(geometry, materials, density, progress)
-    return complete(geometry, materials, density, actuator, actuator_mass, progress)
+    if beside is None:
+        actuator, actuator_mass = run_actuator(geometry, materials, density, progress)
+        return complete(geometry, materials, density, actuator, actuator_mass, progress)
+    first = beside.submit(run_actuator, geometry, materials, density)
+    second = beside.submit(run_exoskeleton, geometry, materials, density)
+    finger = run_finger(geometry, materials, density, progress)
+    actuator, actuator_mass = first.result()
+    exoskeleton, shell_mass = second.result()
+    for _ in (*actuator.pressure_pa_gauge[1:], *exoskeleton.load_n):
+        progress()
+    mass = actuator_mass + shell_mass
+    return _reduced(geometry, materials, density, actuator, exoskeleton, finger, mass)
 
 
 def run_actuator(
@@ -96,11 +114,37 @@ def complete(
     progress: Callable[[], None] = lambda: None,
 ) -> Calibration:
     """Run analyses (ii) and (iii) for a geometry whose actuator has been analysed, and reduce all three."""
+    exoskeleton, shell_mass = run_exoskeleton(geometry, materials, density, progress)
+    finger = run_finger(geometry, materials, density, progress)
+    return _reduced(geometry, materials, density, actuator, exoskeleton, finger, actuator_mass_kg + shell_mass)
+
+
+def run_exoskeleton(
+    geometry: FingerGeometry, materials: Materials, density: Density, progress: Callable[[], None] = lambda: None
+) -> tuple[ExoskeletonResult, float]:
+    """Run analysis (ii); return it with the exoskeleton's mass [kg]."""
     model = exoskeleton_model(geometry, materials.tpu, density.exoskeleton)
-    exoskeleton = analyse_exoskeleton(model, geometry, materials.tpu, progress=progress)
-    shell = 2.0 * float(model.weights.sum()) * materials.tpu.density_kg_m3
+    result = analyse_exoskeleton(model, geometry, materials.tpu, progress=progress)
+    return result, 2.0 * float(model.weights.sum()) * materials.tpu.density_kg_m3
+
+
+def run_finger(
+    geometry: FingerGeometry, materials: Materials, density: Density, progress: Callable[[], None] = lambda: None
+) -> FingerResult:
+    """Run analysis (iii)."""
     whole = _finger_model(geometry, materials, density)
-    finger = analyse_finger(whole, geometry, FINGER_PATH, progress=progress)
+    return analyse_finger(whole, geometry, FINGER_PATH, progress=progress)
+
+
+def _reduced(
+    geometry: FingerGeometry,
+    materials: Materials,
+    density: Density,
+    actuator: ActuatorResult,
+    exoskeleton: ExoskeletonResult,
+    finger: FingerResult,
+    mass_kg: float,
+) -> Calibration:
     return Calibration(
         geometry=geometry,
         materials=materials,
@@ -109,7 +153,7 @@ def complete(
         exoskeleton=exoskeleton,
         finger=finger,
         fit=reduce_finger(actuator, exoskeleton, finger),
-        mass_kg=actuator_mass_kg + shell,
+        mass_kg=mass_kg,
     )
 
 

@@ -1,6 +1,7 @@
 """One direct solver for symmetric systems: MKL's PARDISO where it is installed, SuperLU elsewhere."""
 
 import importlib.util
+import os
 import warnings
 from typing import Any
 
@@ -50,15 +51,14 @@ class SymmetricSolver:
             self._pardiso = None
 
     def _mkl(self, upper: sp.csr_array, right_side: F64) -> F64 | None:
-        from pypardiso import PyPardisoSolver  # noqa: PLC0415 - optional dependency
-        from pypardiso.pardiso_wrapper import PyPardisoError  # noqa: PLC0415
+        from pypardiso.pardiso_wrapper import PyPardisoError  # noqa: PLC0415 - optional dependency
 
         pattern = (upper.indptr, upper.indices)
         known = self._pattern is not None and all(map(np.array_equal, self._pattern, pattern))
         self._pattern = pattern
         try:
             if self._pardiso is None:
-                self._pardiso = PyPardisoSolver(mtype=-2, size_limit_storage=0)
+                self._pardiso = _pardiso()
                 for index, value in _IPARM.items():
                     self._pardiso.set_iparm(index, value)
                 known = False
@@ -85,6 +85,19 @@ class KeptFactors:
     def solve(self, right_side: F64) -> F64:
         """Return x of K x = b."""
         return np.asarray(self._factors.solve(right_side), dtype=np.float64)
+
+
+def _pardiso() -> Any:
+    """Return a new solver of MKL.
+
+    PyPardiso searches the whole environment for the library each time, half a second; where it found it once is kept
+    in the variable that it looks at first.
+    """
+    from pypardiso import PyPardisoSolver  # noqa: PLC0415 - optional dependency
+
+    solver = PyPardisoSolver(mtype=-2, size_limit_storage=0)
+    os.environ.setdefault("PYPARDISO_MKL_RT", solver.libmkl._name)
+    return solver
 
 
 def _superlu(upper: sp.csr_array, right_side: F64) -> F64 | None:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from assets import asset_path
 from scripts import _cli
-from softhand_sim.calibration import load_calibration
+from softhand_sim.calibration import FingerCalibration, load_calibration
 from softhand_sim.hand.export import hand_xml, scene_xml
 
 EXAMPLES = """examples:
@@ -25,6 +25,11 @@ def parser() -> _cli.Parser:
     return p
 
 
+def hand_files(calibration: FingerCalibration, folder: Path) -> dict[Path, str]:
+    """Return the texts of a hand's files by their paths in a folder."""
+    return {folder / "hand.xml": hand_xml(calibration), folder / "scene.xml": scene_xml(calibration)}
+
+
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line; return the exit status."""
     return _cli.run(_job, argv)
@@ -35,7 +40,7 @@ def _job(argv: Sequence[str] | None) -> int:
     _cli.check_writable(args.json)
     calibration = load_calibration(args.calibration)
     folder = args.out or asset_path("hand")
-    files = {folder / "hand.xml": hand_xml(calibration), folder / "scene.xml": scene_xml(calibration)}
+    files = hand_files(calibration, folder)
     stale = [path for path, text in files.items() if not path.is_file() or path.read_text(encoding="utf-8") != text]
     if args.check:
         if stale:

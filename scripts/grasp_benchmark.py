@@ -13,7 +13,7 @@ from tqdm import tqdm
 from assets import asset_path
 from scripts import _cli
 from softhand_sim.benchmark.pictures import draw
-from softhand_sim.benchmark.report import summarise, table, trial_rows
+from softhand_sim.benchmark.report import beyond_calibration, summarise, table, trial_rows
 from softhand_sim.benchmark.runner import BenchmarkPlan, in_order, run_benchmark
 from softhand_sim.hand.scene import EngineSettings
 from softhand_sim.objects.catalogue import load_catalogue, make_object
@@ -68,6 +68,8 @@ def _job(argv: Sequence[str] | None) -> int:
     results = in_order(plan, list(tqdm(running, total=total, desc="trials", unit="trial")))
     summary = summarise(results)
     print(table(summary))
+    if flags := beyond_calibration(results):
+        print(flags)
     if args.json is not None:
         data = {"settings": _settings(args), "objects": summary, "trials": trial_rows(results)}
         _cli.write_json(args.json, data)

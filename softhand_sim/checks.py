@@ -1,6 +1,8 @@
 """Range checks that name the field, the value and what is allowed, in one line."""
 
-import math
+import sys
+
+_LARGEST = sys.float_info.max
 
 
 def require_finite(name: str, value: float, *, above: float | None = None, at_least: float | None = None) -> float:
@@ -19,7 +21,7 @@ def require_finite(name: str, value: float, *, above: float | None = None, at_le
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
     if (
         not is_number
-        or not math.isfinite(value)
+        or not abs(value) <= _LARGEST  # NaN, infinity, and whole numbers that no float holds
         or (above is not None and not value > above)
         or (at_least is not None and not value >= at_least)
     ):

@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softhand_sim.calibration import JOINT_RANGE_RAD, JOINTS, FingerCalibration
+from softhand_sim.calibration.limits import CalibratedRange, RangeWatch
 from softhand_sim.elements import FINGERS, spread_to_fingers
 from softhand_sim.hand.anatomy import HandAnatomy
 from softhand_sim.hand.hand import WRIST
@@ -17,6 +18,8 @@ from softhand_sim.wrist import limited_step
 
 Vector = npt.NDArray[np.float64]
 
+RANGE_WATCH_S = 0.02
+"""Choice: how often range_watch looks, the sensors' period; every step would cost some per cent of a trial."""
 _MOST_BEND_RAD = len(JOINTS) * JOINT_RANGE_RAD[1]
 _INSTABILITY = (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC)
 
@@ -71,6 +74,7 @@ class HandSimulation:
     ----------
     wrist_target: x, y, z (m), yaw, pitch, roll (rad), shape (6,); approached at the wrist's limited speed.
     set_pressure_pa_gauge: wanted pressure per element (Pa), shape (3,).
+    range_watch: what went beyond the calibrated range since the reset; never silently extrapolated.
     losses: friction and relaxation of the fingers; by default the calibration's friction alone.
 
     Without `pneumatics` (None) the fingers have the wanted pressure at once, and there is no gas.
@@ -101,6 +105,8 @@ class HandSimulation:
         self.wrist_reference = np.array(wrist_pose, dtype=np.float64)
         self.wrist_target = self.wrist_reference.copy()
         self.set_pressure_pa_gauge = np.zeros(3)
+        self.range_watch = RangeWatch(limits=CalibratedRange.of(self.calibration))
+        self._next_look_s = 0.0
         if self.losses is not None:
             self.loss_state = self.losses.rest(self.elongations_m())
         self.gas: PneumaticState | None = None
@@ -118,6 +124,10 @@ class HandSimulation:
         if self._loses:
             ctrl[self.index.loss_ctrl] = self._next_losses_n(elongation, np.array(pressure))
         mujoco.mj_step(self.model, self.data)
+        if self.data.time >= self._next_look_s:
+            joints = self.data.qpos[self.index.joint_qpos]
+            self.range_watch.look(self.set_pressure_pa_gauge, np.array(pressure), joints)
+            self._next_look_s = self.data.time + RANGE_WATCH_S
 
     def move_wrist(self) -> None:
         """Move the wrist's reference towards its target, as far as it may get in one time step."""

@@ -7,7 +7,9 @@ import math
 import numpy as np
 import pytest
 
+from assets import asset_path
 from softhand_sim.calibration import load_calibration
+from softhand_sim.calibration.integrity import CHECKSUM, content_sha256
 
 
 def plausible():
@@ -147,6 +149,18 @@ REFUSALS = [
     (("curve", "tip_angle_deg", 3), 73.0, r"curve\.tip_angle_deg\[3\] = 73: must be the sum"),
     (("curve", "joint_angle_deg", 1), [1.0, 2.0], r"curve\.joint_angle_deg = .*shape \(n, 3\)"),
     (("curve", "tip_angle_deg"), [0.0, 21.0], r"curve\.tip_angle_deg has shape \(2,\)"),
+    (("curve", "tip_angle_deg", 3), "72.0", r"curve\.tip_angle_deg = .*array of numbers"),
+    (("curve", "pressure_pa_gauge", 1), True, r"curve\.pressure_pa_gauge = .*array of numbers"),
+    (("curve", "pressure_pa_gauge", 4), 10**400, r"curve\.pressure_pa_gauge = .*array of numbers"),
+    (("curve", "pressure"), [0.0, 1.0], r"curve\.pressure = .*unknown field; known: pressure_pa_gauge"),
+    (("chamber", "volume_ml"), 2.5, r"chamber\.volume_ml = 2\.5.*unknown field; known: volume_m3"),
+    (("joints", 1, "offset_mm"), 6.5, r"joints\[1\]\.offset_mm = 6\.5.*unknown field"),
+    (("tendon", "stiffness_n_per_m"), 10**400, r"tendon\.stiffness_n_per_m = 1000.*must be a number"),
+    (("geometry", "tube_wall"), 2.0, r"geometry\.tube_wall = 2\.0: must be a name that ends with a unit"),
+    (("geometry", "tube_wall_m"), "2 mm", r"geometry\.tube_wall_m = '2 mm'"),
+    (("provenance", "cost"), {"wall_s": [1.0, math.inf]}, r"provenance\.cost\.wall_s\[1\] = inf: must be finite"),
+    (("fit_rmse", "finger_tip_angle_rad"), math.nan, r"fit_rmse\.finger_tip_angle_rad = nan: must be finite"),
+    ((CHECKSUM,), "0" * 64, rf"{CHECKSUM} = '000.*damaged, or edited"),
 ]
 
 
@@ -194,6 +208,50 @@ def test_refuses_what_is_no_calibration_file(tmp_path):
         load_calibration(tmp_path / "text.json")
     with pytest.raises(ValueError, match=r"list\.json: .*must be an object"):
         load_calibration(write(tmp_path / "list.json", [1]))
+
+
+def test_a_field_without_its_unit_is_told_from_a_missing_one(tmp_path):
+    data = plausible()
+    data["curve"]["pressure"] = [1e-3 * p for p in data["curve"].pop("pressure_pa_gauge")]
+    with pytest.raises(ValueError, match=r"curve\.pressure_pa_gauge is missing; pressure has no unit in its name$"):
+        load_calibration(write(tmp_path / "bad.json", data))
+
+
+def test_a_field_that_is_there_twice_is_refused(tmp_path):
+    text = json.dumps(plausible()).replace('"mass_kg": 0.012', '"mass_kg": 0.012, "mass_kg": 0.013')
+    (tmp_path / "twice.json").write_text(text)
+    with pytest.raises(ValueError, match=r"twice\.json: mass_kg: must not be there twice"):
+        load_calibration(tmp_path / "twice.json")
+
+
+def test_any_damage_to_a_file_with_a_checksum_is_refused(tmp_path):
+    shipped = json.loads(asset_path("calibration", "finger.json").read_text())
+    shipped[CHECKSUM] = content_sha256(shipped)
+    text = json.dumps(shipped, indent=1)
+    (tmp_path / "whole.json").write_text(text)
+    load_calibration(tmp_path / "whole.json")
+    for end in (0, 1, len(text) // 2, len(text) - 3):
+        (tmp_path / "cut.json").write_text(text[:end])
+        with pytest.raises(ValueError, match=r"cut\.json: not a JSON file"):
+            load_calibration(tmp_path / "cut.json")
+    # one digit anywhere, be it in a field that the runtime never reads
+    rng, refused = np.random.default_rng(0), 0
+    digits = [k for k, letter in enumerate(text) if letter in "12345678"]
+    for k in rng.choice(digits, 40).tolist():
+        damaged = text[:k] + str(int(text[k]) + 1) + text[k + 1 :]
+        if json.loads(damaged) == shipped:  # beyond the digits that a float has
+            continue
+        refused += 1
+        (tmp_path / "digit.json").write_text(damaged)
+        with pytest.raises(ValueError, match=r"digit\.json: "):
+            load_calibration(tmp_path / "digit.json")
+    assert refused > 30
+    (tmp_path / "bytes.json").write_bytes(b"\xff\xfe" + text.encode())
+    with pytest.raises(ValueError, match=r"bytes\.json: not a JSON file"):
+        load_calibration(tmp_path / "bytes.json")
+    (tmp_path / "deep.json").write_text("[" * 100_000)
+    with pytest.raises(ValueError, match=r"deep\.json: not a JSON file"):
+        load_calibration(tmp_path / "deep.json")
 
 
 def test_shipped_calibration_meets_the_stated_angle():

@@ -24,7 +24,7 @@ def wilson_interval(held: int, trials: int) -> tuple[float, float]:
 
 
 def summarise(results: Sequence[TrialResult]) -> dict[str, dict[str, Any]]:
-    """Return per object: trials, held, success_rate, wilson_low, wilson_high, count of each outcome.
+    """Return per object: trials, held, success_rate, wilson_low, wilson_high, count of each outcome, flags.
 
     Medians of slip, creep and depth are over the trials that ended `HELD`, and None where none did.
     """
@@ -43,6 +43,7 @@ def summarise(results: Sequence[TrialResult]) -> dict[str, dict[str, Any]]:
             "outcomes": {outcome.value: counts[outcome] for outcome in Outcome},
             "held_median_slip_m": median(r.slip_m for r in held) if held else None,
             "held_median_creep_m_per_s": median(r.creep_m_per_s for r in held) if held else None,
+            "trials_beyond_calibration": sum(bool(r.beyond_calibration) for r in own),
             "held_median_penetration_m": median(r.penetration_m for r in held) if held else None,
         }
     return summary
@@ -64,6 +65,21 @@ def _row(name: str, row: dict[str, Any]) -> str:
         f"{scaled('held_median_slip_m', 1e3, 1):>8}{scaled('held_median_creep_m_per_s', 1e6, 0):>12}"
         f"{scaled('held_median_penetration_m', 1e3, 2):>10}  {others}"
     )
+
+
+def beyond_calibration(results: Sequence[TrialResult]) -> str:
+    """Return one line an object on trials that left the range of the calibration, and how far; empty if none did."""
+    lines = []
+    for name in dict.fromkeys(result.object for result in results):
+        own = [result for result in results if result.object == name]
+        left = [result.beyond_calibration for result in own if result.beyond_calibration]
+        if not left:
+            continue
+        keys = dict.fromkeys(key for row in left for key in row)
+        extremes = {key: max((row[key] for row in left if key in row), key=abs) for key in keys}
+        text = ", ".join(f"{key} {value:.3g}" for key, value in extremes.items())
+        lines.append(f"beyond the calibrated range in {len(left)} of {len(own)} trials of {name}: {text}")
+    return "\n".join(lines)
 
 
 def trial_rows(results: Sequence[TrialResult]) -> list[dict[str, Any]]:

@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from assets import asset_path
 from softhand_sim.calibration.fields import Fields, read_fields
+from softhand_sim.calibration.integrity import check_whole, read_geometry
 from softhand_sim.calibration.parts import (
     JOINTS,
     CalibrationCurve,
@@ -123,8 +124,9 @@ def load_calibration(path: Path | None = None) -> FingerCalibration:
     FileNotFoundError
         If there is no such file.
     ValueError
-        If the file isn't a calibration of this schema and version, or a field is missing or outside its
-        range; the one-line message names file, field, value and what is allowed.
+        If the file isn't a calibration of this schema and version, a field is missing, unknown or outside its
+        range, or the content isn't what was written; the one-line message names file, field, value and what is
+        allowed.
     """
     root = read_fields(asset_path("calibration", "finger.json") if path is None else path)
     root.require_equal("schema", SCHEMA)
@@ -136,26 +138,28 @@ def load_calibration(path: Path | None = None) -> FingerCalibration:
     for name in ("targets_used", "fit_rmse", "provenance"):
         root.object(name)
     with root.naming_file():
-        return FingerCalibration(
+        calibration = FingerCalibration(
             joints=tuple(_build_joint(joint) for joint in joints),
-            tendon=root.object("tendon").build(TendonCalibration),
-            chamber=root.object("chamber").build(ChamberCalibration),
-            sliding=root.object("sliding").build(SlidingCalibration),
+            tendon=root.object("tendon").build_only(TendonCalibration),
+            chamber=root.object("chamber").build_only(ChamberCalibration),
+            sliding=root.object("sliding").build_only(SlidingCalibration),
             finger=_build_body(finger),
             curve=_build_curve(curve),
             analysis=build_cycle(analysis, fitted=analysis.list_of("fitted", bool)),
-            geometry=MappingProxyType(root.object("geometry").raw),
+            geometry=MappingProxyType(read_geometry(root.object("geometry"))),
             notes=MappingProxyType({key: value for key, value in root.raw.items() if key not in known}),
         )
+    check_whole(root)
+    return calibration
 
 
 def _build_joint(fields: Fields) -> JointCalibration:
-    return fields.build(JointCalibration, name=fields.text("name"))
+    return fields.build_only(JointCalibration, name=fields.text("name"))
 
 
 def _build_body(fields: Fields) -> FingerBody:
     positions = tuple(fields.numbers("joint_position_m", (3,)).tolist())
-    return fields.build(FingerBody, joint_position_m=positions)
+    return fields.build_only(FingerBody, joint_position_m=positions)
 
 
 def build_cycle(fields: Fields, *, fitted: tuple[bool, ...] | None = None) -> FingerCycle:
@@ -171,7 +175,7 @@ def build_cycle(fields: Fields, *, fitted: tuple[bool, ...] | None = None) -> Fi
 
 
 def _build_curve(fields: Fields) -> CalibrationCurve:
-    return fields.build(
+    return fields.build_only(
         CalibrationCurve,
         pressure_pa_gauge=fields.numbers("pressure_pa_gauge", (None,)),
         tip_angle_deg=fields.numbers("tip_angle_deg", (None,)),

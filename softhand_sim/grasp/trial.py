@@ -31,7 +31,10 @@ SAMPLE_S = 0.02
 
 @dataclass(frozen=True, kw_only=True)
 class TrialResult:
-    """Verdict of one trial and the figures it rests on (SI units; `peak_pressure_pa_gauge` per element)."""
+    """Verdict of one trial and the figures it rests on (SI units; `peak_pressure_pa_gauge` per element).
+
+    `beyond_calibration` holds what went beyond the calibrated range, and its extreme (`RangeWatch.beyond`).
+    """
 
     object: str
     seed: int
@@ -46,6 +49,7 @@ class TrialResult:
     object_offset_yaw_rad: float
     simulated_s: float
     wall_s: float
+    beyond_calibration: dict[str, float]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -200,4 +204,5 @@ def _result(
         object_offset_yaw_rad=offset[2],
         simulated_s=float(simulation.data.time),
         wall_s=wall_s,
+        beyond_calibration=simulation.range_watch.beyond(),
     )

@@ -17,6 +17,7 @@ from fea.geometry import FingerGeometry
 from fea.identification import GAP_BULGING, fit_chamber, fit_flexure, fit_monotone, reduce_finger
 from fea.newton import Status
 from fea.surrogate import Arm, Chamber, Cubic, Sliding, Surrogate
+from softhand_sim.calibration.integrity import content_sha256
 
 PRESSURES = [2e3, 5e3, 10e3, 15e3, 20e3, 25e3, 30e3, 35e3, 40e3]
 
@@ -124,7 +125,8 @@ def test_shipped_actuator_lies_below_the_ideal_rings_by_at_most_30_percent(shipp
 
 def test_shipped_file_is_complete_and_of_the_default_geometry(shipped, coarse):
     fresh = artifact(coarse)
-    assert _keys(shipped) == _keys(fresh)
+    assert _keys({**shipped, "content_sha256": ""}) == _keys(fresh)
+    assert fresh["content_sha256"] == content_sha256(fresh)
     assert shipped["geometry"] == fresh["geometry"]
     assert set(shipped["geometry"]) == {f.name for f in fields(FingerGeometry)}
     assert shipped["targets_used"]["dimension_chosen"] == "sector_half_angle_rad"

@@ -1,0 +1,74 @@
+"""The range that a finger was calibrated in, and what a simulation did beyond it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from softhand_sim.calibration.parts import JOINTS
+from softhand_sim.calibration.reader import FingerCalibration
+from softhand_sim.elements import ELEMENTS, FINGERS
+
+Vector = npt.NDArray[np.float64]
+
+ANGLE_MARGIN_RAD = 0.035
+"""Choice: 2 degrees, what the calibration's joint angles differ from the complete finger's at most."""
+SET_PRESSURE_MARGIN_PA, PRESSURE_MARGIN_PA = 1.0, 1e3
+"""Choices: rounding of a set pressure at the range's end; what noise lets a finger pass it by (0.6 kPa were seen)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class CalibratedRange:
+    """Highest pressure [Pa gauge] and joint angles [rad], (3,), of the calibration's curve; the lowest are 0."""
+
+    pressure_pa_gauge: float
+    joint_angle_rad: Vector
+
+    @classmethod
+    def of(cls, calibration: FingerCalibration) -> "CalibratedRange":
+        """Return the range of a calibration."""
+        curve = calibration.curve
+        return cls(
+            pressure_pa_gauge=float(curve.pressure_pa_gauge[-1]),
+            joint_angle_rad=np.radians(curve.joint_angle_deg).max(axis=0),
+        )
+
+
+@dataclass(kw_only=True)
+class RangeWatch:
+    """Extremes of a simulation since its start; mutable on purpose, it is looked at every step.
+
+    The engine limits the pressure that acts on a finger to the calibrated one without a word; here it is told.
+    """
+
+    limits: CalibratedRange
+    _set: Vector = field(default_factory=lambda: np.zeros(len(ELEMENTS)))
+    _pressure: Vector = field(default_factory=lambda: np.zeros(len(FINGERS)))
+    _high: Vector = field(default_factory=lambda: np.zeros((len(FINGERS), len(JOINTS))))
+    _low: Vector = field(default_factory=lambda: np.zeros((len(FINGERS), len(JOINTS))))
+
+    def look(self, set_pa_gauge: Vector, pressure_pa_gauge: Sequence[float] | Vector, joint_angle_rad: Vector) -> None:
+        """Take in set pressures per element (3,), pressures per finger (5,) and joint angles (5, 3)."""
+        np.maximum(self._set, set_pa_gauge, out=self._set)
+        np.maximum(self._pressure, pressure_pa_gauge, out=self._pressure)
+        np.maximum(self._high, joint_angle_rad, out=self._high)
+        np.minimum(self._low, joint_angle_rad, out=self._low)
+
+    def beyond(self) -> dict[str, float]:
+        """Return what went beyond the calibrated range: the extreme value (Pa gauge or rad) by name, none if empty."""
+        found: dict[str, float] = {}
+        for names, values, what, margin in (
+            (ELEMENTS, self._set, "set_pressure", SET_PRESSURE_MARGIN_PA),
+            (FINGERS, self._pressure, "pressure", PRESSURE_MARGIN_PA),
+        ):
+            highest = self.limits.pressure_pa_gauge + margin
+            found |= {f"{n}_{what}_pa_gauge": float(v) for n, v in zip(names, values, strict=True) if v > highest}
+        for values, outside in (
+            (self._high, self._high > self.limits.joint_angle_rad + ANGLE_MARGIN_RAD),
+            (self._low, self._low < -ANGLE_MARGIN_RAD),
+        ):
+            for finger, joint in np.argwhere(outside):
+                side = "highest" if values is self._high else "lowest"
+                found[f"{FINGERS[finger]}_{JOINTS[joint]}_{side}_rad"] = float(values[finger, joint])
+        return found

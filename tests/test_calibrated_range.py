@@ -1,0 +1,118 @@
+"""What leaves the calibrated range is told by name: set pressures, gas pressures, joint angles."""
+
+import numpy as np
+import pytest
+
+from softhand_sim.benchmark.report import beyond_calibration, summarise
+from softhand_sim.calibration.limits import ANGLE_MARGIN_RAD, CalibratedRange, RangeWatch
+from softhand_sim.elements import FINGERS
+from softhand_sim.grasp.trial import TrialResult
+from softhand_sim.grasp.verdict import Outcome
+from softhand_sim.hand.scene import EngineSettings, build_scene
+from softhand_sim.simulation import HandSimulation, default_pneumatics
+
+
+@pytest.fixture
+def simulation(calibration):
+    scene = build_scene(calibration, engine=EngineSettings(gravity_m_per_s2=0.0))
+    made = HandSimulation(model=scene.model, calibration=calibration, pneumatics=default_pneumatics(calibration))
+    made.reset(np.random.default_rng(0), np.array([0.0, 0.0, 0.3, 0.0, 0.0, 0.0]))
+    return made
+
+
+def run(simulation, seconds):
+    for _ in range(round(seconds / simulation.dt)):
+        simulation.step()
+
+
+def test_nothing_is_told_within_the_range(simulation):
+    simulation.set_pressure_pa_gauge = np.full(3, 75e3)
+    run(simulation, 2.0)
+    assert simulation.range_watch.beyond() == {}
+
+
+def test_a_pressure_that_the_engine_cuts_is_told(simulation, calibration):
+    highest = float(calibration.curve.pressure_pa_gauge[-1])
+    simulation.set_pressure_pa_gauge = np.array([0.0, highest + 20e3, 0.0])
+    run(simulation, 2.0)
+    beyond = simulation.range_watch.beyond()
+    assert beyond["index_set_pressure_pa_gauge"] == highest + 20e3
+    # the gas really is there, and the engine lets no more than the calibrated pressure act
+    gas = simulation.pneumatics.finger_pressures_pa_gauge(simulation.gas)[FINGERS.index("index")]
+    assert gas > highest + 10e3
+    assert beyond["index_pressure_pa_gauge"] == pytest.approx(gas, rel=0.05)
+    index, finger = simulation.index, FINGERS.index("index")
+    delta = calibration.elongation_m(tuple(simulation.data.qpos[index.joint_qpos[finger]]))
+    force = abs(float(simulation.data.actuator_force[index.pressure_ctrl[finger]]))
+    assert force == pytest.approx(highest * calibration.chamber.area_m2_at(delta), rel=1e-3)
+    assert not any(name.startswith(("thumb", "ring")) for name in beyond)
+
+
+def test_a_joint_that_is_pushed_beyond_its_law_is_told(simulation, calibration):
+    highest = float(np.radians(calibration.curve.joint_angle_deg[:, 1].max()))
+    qpos, joint = simulation.data.qpos, simulation.index.joint_qpos[FINGERS.index("ring"), 1]
+    qpos[joint] = highest + 0.2
+    simulation.step()
+    told = simulation.range_watch.beyond()
+    assert list(told) == ["ring_middle_highest_rad"]
+    assert told["ring_middle_highest_rad"] == pytest.approx(highest + 0.2, abs=0.05)
+    simulation.reset(np.random.default_rng(0), np.array([0.0, 0.0, 0.3, 0.0, 0.0, 0.0]))
+    assert simulation.range_watch.beyond() == {}
+
+
+def test_every_joint_has_its_own_ends(calibration):
+    limits = CalibratedRange.of(calibration)
+    for finger in range(len(FINGERS)):
+        for joint in range(3):
+            angles = np.tile(limits.joint_angle_rad, (len(FINGERS), 1))
+            watch = RangeWatch(limits=limits)
+            watch.look(np.zeros(3), [0.0] * 5, angles)
+            assert watch.beyond() == {}
+            angles[finger, joint] += 1.01 * ANGLE_MARGIN_RAD
+            watch.look(np.zeros(3), [0.0] * 5, angles)
+            assert list(watch.beyond().values()) == [angles[finger, joint]]
+            angles[finger, joint] = -1.01 * ANGLE_MARGIN_RAD
+            watch.look(np.zeros(3), [0.0] * 5, angles)
+            assert len(watch.beyond()) == 2
+
+
+def test_noise_at_the_range_s_end_is_no_flag_but_a_higher_set_pressure_is(calibration):
+    limits = CalibratedRange.of(calibration)
+    still, end = np.zeros((len(FINGERS), 3)), limits.pressure_pa_gauge
+    watch = RangeWatch(limits=limits)
+    watch.look(np.full(3, end), [0.0, end + 0.9e3, 0.0, 0.0, 0.0], still)
+    assert watch.beyond() == {}
+    watch.look(np.array([0.0, 0.0, end + 2.0]), [0.0, end + 1.1e3, 0.0, 0.0, 0.0], still)
+    assert watch.beyond() == {
+        "middle_ring_little_set_pressure_pa_gauge": end + 2.0,
+        "index_pressure_pa_gauge": end + 1.1e3,
+    }
+
+
+def result(name, seed, beyond):
+    return TrialResult(
+        object=name,
+        seed=seed,
+        outcome=Outcome.MISSED,
+        lift_m=0.0,
+        slip_m=0.0,
+        tilt_rad=0.0,
+        creep_m_per_s=0.0,
+        penetration_m=0.0,
+        peak_pressure_pa_gauge={},
+        object_offset_m=(0.0, 0.0),
+        object_offset_yaw_rad=0.0,
+        simulated_s=1.0,
+        wall_s=1.0,
+        beyond_calibration=beyond,
+    )
+
+
+def test_the_benchmark_counts_trials_and_keeps_the_extremes():
+    low, high = "index_distal_lowest_rad", "ring_middle_highest_rad"
+    own = [result("can", 0, {low: -0.1}), result("can", 1, {low: -0.3, high: 0.8}), result("can", 2, {})]
+    results = [*own, result("egg", 0, {})]
+    assert {k: v["trials_beyond_calibration"] for k, v in summarise(results).items()} == {"can": 2, "egg": 0}
+    text = beyond_calibration(results)
+    assert text == f"beyond the calibrated range in 2 of 3 trials of can: {low} -0.3, {high} 0.8"
+    assert beyond_calibration(results[-1:]) == ""
