@@ -1,8 +1,8 @@
-"""What pneumatics, control and the fingers' losses add to the engine's step, in one hand that grasps an object.
+"""What pneumatics and control add to the step of one hand that grasps an object.
 
-The same stretches of a grasp are run twice in turn from the same state: with the gas and its controller, and by the
-engine alone with the recorded commands. Both come to the same state, which is checked. Times are
-those of the processor, so that other work on the machine disturbs them less.
+The same stretches of a grasp are run twice in turn from the same state: with the gas and its controller, and with the
+recorded pressures instead, all else alike (engine, wrist, the fingers' losses). Both come to the same state, which is
+checked. Times are those of the processor, so that other work on the machine disturbs them less.
 """
 
 import time
@@ -57,7 +57,7 @@ def _job(argv: Sequence[str] | None) -> int:
             for name, setup in setups.items():
                 pairs[name] += _grasp(setup, args.seed + repeat)
                 bar.update()
-    print(f"{'effects':<8}{'engine us':>11}{'with gas us':>13}{'added':>8}{'quartiles of the stretches':>30}")
+    print(f"{'effects':<8}{'step us':>11}{'with gas us':>13}{'added':>8}{'quartiles of the stretches':>30}")
     for name, times in pairs.items():
         alone, both = np.array(times).T
         added = float(both.sum() / alone.sum() - 1.0)
@@ -68,8 +68,8 @@ def _job(argv: Sequence[str] | None) -> int:
             f"{quartiles[0]:>20.1%} to {quartiles[1]:.1%}"
         )
         results[name] = {
-            "engine_s_per_step": float(alone.mean() / STRETCH_STEPS),
-            "with_pneumatics_s_per_step": float(both.mean() / STRETCH_STEPS),
+            "step_s_without_pneumatics": float(alone.mean() / STRETCH_STEPS),
+            "step_s": float(both.mean() / STRETCH_STEPS),
             "added_share": added,
             "added_share_quartiles": quartiles.tolist(),
             "stretches": len(times),
@@ -116,17 +116,18 @@ def _stretch(simulation: HandSimulation, *, engine_first: bool) -> tuple[float, 
 
     def engine_alone() -> float:
         back()
+        simulation.play_pressures(iter(pressures))
         began = time.thread_time()
-        for ctrl in commands:
-            simulation.move_wrist()
-            data.ctrl[:] = ctrl
-            mujoco.mj_step(model, data)
-        return time.thread_time() - began
+        for _ in range(STRETCH_STEPS):
+            simulation.step()
+        took = time.thread_time() - began
+        simulation.play_pressures(None)
+        return took
 
-    commands = []
+    pressures = []
     for _ in range(STRETCH_STEPS):
         simulation.step()
-        commands.append(data.ctrl.copy())
+        pressures.append(tuple(data.ctrl[simulation.index.pressure_ctrl].tolist()))
     end = data.qpos.copy()
     passes = [engine_alone, with_gas] if engine_first else [with_gas, engine_alone]
     times = {}

@@ -1,5 +1,6 @@
 """The hand in time: engine, pneumatics and wrist stepped together."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import mujoco
@@ -92,6 +93,7 @@ class HandSimulation:
         self.dt = float(self.model.opt.timestep)
         # a view of the engine's memory, which never moves: the attribute makes a new one each time
         self._tendon_length_m = self.data.ten_length
+        self._played: Iterator[tuple[float, ...]] | None = None
         losses = Losses.of(self.calibration) if self.losses is None else self.losses
         self.losses = losses
         self._loses = losses.sliding is not None or losses.relaxation is not None
@@ -140,6 +142,8 @@ class HandSimulation:
 
     def _next_pressures_pa_gauge(self, elongation_m: Vector) -> tuple[float, ...]:
         """Step the gas and return the pressure in each finger (Pa), shape (5,)."""
+        if self._played is not None:
+            return next(self._played)
         if self.pneumatics is None or self.gas is None:
             return spread_to_fingers(self.set_pressure_pa_gauge.tolist())
         volumes = self._volumes_m3(elongation_m)
@@ -154,6 +158,10 @@ class HandSimulation:
         bend = np.minimum(np.abs(self.data.qpos[self.index.joint_qpos]).sum(axis=1), _MOST_BEND_RAD)
         self.loss_state, force = self.losses.step(self.loss_state, elongation_m, bend, pressure_pa_gauge, self.dt)
         return force
+
+    def play_pressures(self, recorded: Iterator[tuple[float, ...]] | None) -> None:
+        """Give the fingers recorded pressures (Pa), (5,) a step, while the gas stands still; None ends that."""
+        self._played = recorded
 
     def pressure_pa_gauge(self) -> Vector:
         """Present pressure of each element where its sensor sits (Pa), shape (3,)."""
