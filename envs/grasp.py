@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from envs.spaces import ACTION_SIZE, Vector, checked_action, observation_bounds, pack
 from softhand_sim.calibration import load_calibration
 from softhand_sim.grasp.place import place_object
-from softhand_sim.grasp.protocol import LiftProtocol
+from softhand_sim.grasp.protocol_file import load_protocol
 from softhand_sim.grasp.scripted import plan_grasp
 from softhand_sim.hand.hand import HINGE_RANGE_RAD, SLIDE_RANGE_M
 from softhand_sim.hand.scene import build_scene
@@ -110,7 +110,7 @@ class SoftHandGraspEnv(gymnasium.Env[Vector, Vector]):
         finger = load_calibration(calibration)
         scene = build_scene(finger, add_object=lambda root: attach_object(root, self._object))
         self._simulation = HandSimulation(model=scene.model, calibration=finger, pneumatics=default_pneumatics(finger))
-        self._protocol = LiftProtocol()
+        self._protocol = load_protocol()
         self._start = plan_grasp(self._object).standoff(self._protocol.approach_m)
         self._highest_pa = float(finger.curve.pressure_pa_gauge[-1])
         self._body = int(scene.model.body("object").id)

@@ -25,6 +25,9 @@ from fea.projection import Projection, nearest, neighbours
 from fea.tangential import TangentialPairs
 from fea.triangle import bends, shapes, slopes
 
+_AT_REST_PA = 1.0
+"""Choice: what rounding may leave of the pressure at rest."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class SegmentOptions:
@@ -257,11 +260,17 @@ def segment_contact(mesh: SolidMesh, first: I64, second: I64, options: SegmentOp
     Raises
     ------
     ValueError
-        If the surfaces share a node.
+        If the surfaces share a node, or push or pull one another at rest.
     """
     if np.intersect1d(first, second).size:
         raise ValueError("first, second: surfaces in contact must not share nodes")
-    return _cut(mesh.points_m, np.zeros_like(mesh.points_m), first, second, options, neighbours(second))
+    rest = np.zeros_like(mesh.points_m)
+    contact = _cut(mesh.points_m, rest, first, second, options, neighbours(second))
+    at_rest = float(np.abs(contact.contact_pressure_pa(rest)).max())
+    if at_rest > _AT_REST_PA:
+        text = f"the surfaces push with {at_rest:.3g} Pa at rest; their gap must be wider"
+        raise ValueError(f"law = {options.law}: {text}")
+    return contact
 
 
 def _cut(points_m: F64, u_m: F64, first: I64, second: I64, options: SegmentOptions, around: I64) -> SegmentContact:

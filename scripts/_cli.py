@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, NoReturn, TypeVar
 
 BAD_INPUT = 2
+INCOMPLETE = 1
 _Geometry = TypeVar("_Geometry", bound=Any)
 
 

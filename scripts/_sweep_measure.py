@@ -14,8 +14,9 @@ from fea.finger_design import FingerDesign
 from fea.tip_wall import SENSOR_DISTANCE_M
 from scripts import _cli, _solving
 from scripts._sweep_report import Row, shown
+from softhand_sim.benchmark.plan import BenchmarkPlan
 from softhand_sim.benchmark.report import summarise, trial_rows
-from softhand_sim.benchmark.runner import BenchmarkPlan, in_order, run_benchmark
+from softhand_sim.benchmark.runner import in_order, run_benchmark
 from softhand_sim.calibration import FingerCalibration
 from softhand_sim.characterize.bench import Bench
 from softhand_sim.grasp.scripted import FIRM_ANGLE_DEG

@@ -3,7 +3,10 @@
 import argparse
 import hashlib
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextlib import nullcontext
+from dataclasses import asdict
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -13,12 +16,18 @@ from tqdm import tqdm
 from assets import asset_path
 from scripts import _cli
 from softhand_sim.benchmark.pictures import draw
-from softhand_sim.benchmark.report import beyond_calibration, summarise, table, trial_rows
-from softhand_sim.benchmark.runner import BenchmarkPlan, in_order, run_benchmark
+from softhand_sim.benchmark.plan import BenchmarkPlan
+from softhand_sim.benchmark.report import beyond_calibration, conditions, summarise, table, trial_rows
+from softhand_sim.benchmark.runner import in_order, run_benchmark
+from softhand_sim.benchmark.store import TrialStore
+from softhand_sim.grasp.protocol_file import DEFAULT, load_protocol, protocol_names
+from softhand_sim.grasp.stage import Phase
 from softhand_sim.hand.scene import EngineSettings
+from softhand_sim.objects.batch import load_all
 from softhand_sim.objects.catalogue import load_catalogue, make_object
 from softhand_sim.objects.loader import load_mesh_object
 from softhand_sim.objects.model import DEFAULT_FRICTION, ObjectModel
+from softhand_sim.objects.ycb import load_ycb_object, ycb_names
 from softhand_sim.render import RenderUnavailableError
 
 EXAMPLES = """examples:
@@ -26,20 +35,38 @@ EXAMPLES = """examples:
   grasp_benchmark.py --objects apple --friction 0.05            # an oiled apple
   grasp_benchmark.py --mesh scan.obj --mass 0.068 --trials 5    # any mesh, in metres
   grasp_benchmark.py --mesh scan.stl --scale 0.001 --mass 0.2   # in millimetres
+  grasp_benchmark.py --ycb ycb/models --trials 5                # the YCB set as downloaded
+  grasp_benchmark.py --trials 100 --workers 2 --store out/run.sqlite   # killed? the same line goes on
+  grasp_benchmark.py --protocol six_forces                      # or a TOML file of your own
+An object that cannot be loaded is set aside, the rest of the run goes on; the exit status is then 1.
 """
 
 
 def parser() -> _cli.Parser:
     """Return the command line's definition."""
     p = _cli.Parser(description=__doc__, examples=EXAMPLES)
-    p.add_argument("--objects", help="names from the catalogue, comma-separated, or 'all' (default without --mesh)")
-    p.add_argument("--mesh", type=Path, help="a mesh of your own (OBJ, STL, PLY, GLB), in metres")
+    p.add_argument("--objects", help="names from the catalogue, comma-separated, or 'all' (default without meshes)")
+    p.add_argument(
+        "--mesh", type=Path, nargs="+", default=[], help="meshes of your own (OBJ, STL, PLY, GLB), in metres"
+    )
+    p.add_argument(
+        "--ycb", type=Path, metavar="DIR", help="folder of the YCB set as downloaded; objects stand as scanned"
+    )
     p.add_argument("--scale", type=_cli.positive_float, default=1.0, help="metres per unit of --mesh (default 1)")
     p.add_argument("--keep-upright", action="store_true", help="let --mesh stand as in its file (z up)")
     p.add_argument("--mass", type=_cli.positive_float, help="mass in kg; needed with --mesh, else an override")
     p.add_argument("--friction", type=_cli.non_negative_float, help="sliding friction coefficient, an override")
+    p.add_argument(
+        "--protocol",
+        default=DEFAULT,
+        metavar="NAME",
+        help=f"{', '.join(protocol_names())}, or a TOML file (default {DEFAULT})",
+    )
     p.add_argument("--trials", type=_cli.positive_int, default=20, help="trials per object (default 20)")
     p.add_argument("--workers", type=_cli.positive_int, default=1, help="processes side by side (default 1)")
+    p.add_argument(
+        "--store", type=Path, metavar="FILE", help="SQLite file that keeps each trial; a killed run goes on from there"
+    )
     p.add_argument("--timestep", type=_cli.positive_float, default=2.0, metavar="MS", help="in ms (default 2)")
     p.add_argument("--calibration", type=Path, help="finger calibration (default: the shipped one)")
     p.add_common(seed="seed of the first trial", json="write settings, summary and every trial to this file")
@@ -56,54 +83,78 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _job(argv: Sequence[str] | None) -> int:
     args = parser().parse_args(argv)
     _cli.check_writable(args.json)
+    _cli.check_writable(args.store, "--store")
+    args.protocol = load_protocol(args.protocol)
+    batch = load_all(_loaders(args))
     plan = BenchmarkPlan(
         engine=EngineSettings(timestep_s=1e-3 * args.timestep),
-        objects=tuple(_objects(args)),
+        objects=batch.models,
         trials=args.trials,
         seed=args.seed,
         calibration=args.calibration,
+        protocol=args.protocol,
     )
     total = len(plan.objects) * plan.trials
-    running = run_benchmark(plan, args.workers)
-    results = in_order(plan, list(tqdm(running, total=total, desc="trials", unit="trial")))
+    with nullcontext() if args.store is None else TrialStore(args.store, plan) as store:
+        running = run_benchmark(plan, args.workers, store)
+        results = in_order(plan, list(tqdm(running, total=total, desc="trials", unit="trial")))
     summary = summarise(results)
     print(table(summary))
     if flags := beyond_calibration(results):
         print(flags)
+    print(conditions(plan.protocol))
+    for name, reason in batch.failures.items():
+        # a mesh file's reason begins with its path already
+        print(f"not tried: {reason if reason.startswith(name) else f'{name}: {reason}'}", file=sys.stderr)
     if args.json is not None:
-        data = {"settings": _settings(args), "objects": summary, "trials": trial_rows(results)}
-        _cli.write_json(args.json, data)
+        notes = {model.name: list(model.notes) for model in plan.objects if model.notes}
+        data = {"settings": _settings(args), "not_tried": dict(batch.failures), "notes": notes}
+        _cli.write_json(args.json, {**data, "objects": summary, "trials": trial_rows(results)})
     if not args.no_pictures:
         try:
             files = draw(plan, results, args.pictures)
             print("pictures:", " ".join(str(file) for file in files))
         except RenderUnavailableError as error:
             print(f"no pictures: {error}", file=sys.stderr)
-    return 0
+    return _cli.INCOMPLETE if batch.failures else 0
 
 
-def _objects(args: argparse.Namespace) -> list[ObjectModel]:
-    models = []
-    if args.mesh is not None:
-        if args.mass is None:
-            raise ValueError(f"--mass: needed with --mesh {args.mesh} (kg, above 0)")
-        models.append(
-            load_mesh_object(
-                args.mesh,
-                mass_kg=args.mass,
-                friction=DEFAULT_FRICTION if args.friction is None else args.friction,
-                scale=args.scale,
-                keep_upright=args.keep_upright,
-            )
-        )
-    if args.objects is not None or args.mesh is None:
+def _loaders(args: argparse.Namespace) -> dict[str, Callable[[], ObjectModel]]:
+    """Return by name how each object asked for is loaded; wrong names of the catalogue are refused at once."""
+    for option, own in (("--mass", args.protocol.mass_kg), ("--friction", args.protocol.friction)):
+        if own is not None and getattr(args, option[2:]) is not None:
+            raise ValueError(f"{option}: the protocol {args.protocol.name} prescribes {own:g}")
+    if args.mesh and args.mass is None and args.protocol.mass_kg is None:
+        raise ValueError(f"--mass: needed with --mesh {args.mesh[0]} (kg, above 0)")
+    loaders: dict[str, Callable[[], ObjectModel]] = {}
+    for path in args.mesh:
+        loaders[str(path)] = partial(_mesh, path, args)
+    if args.ycb is not None:
+        mass = args.protocol.mass_kg if args.mass is None else args.mass
+        for name in ycb_names(args.ycb):
+            loaders[name] = partial(load_ycb_object, args.ycb, name, mass_kg=mass, friction=args.friction)
+    if args.objects is not None or not (args.mesh or args.ycb):
         known = list(load_catalogue())
         asked = known if args.objects in (None, "all") else [name.strip() for name in args.objects.split(",")]
         for name in asked:
             if name not in known:
                 raise ValueError(f"--objects: {name!r} is not in the catalogue {known}")
-        models += [make_object(name).with_overrides(mass_kg=args.mass, friction=args.friction) for name in asked]
-    return models
+            loaders[name] = partial(_from_catalogue, name, args)
+    return loaders
+
+
+def _mesh(path: Path, args: argparse.Namespace) -> ObjectModel:
+    return load_mesh_object(
+        path,
+        mass_kg=args.protocol.mass_kg if args.mass is None else args.mass,
+        friction=DEFAULT_FRICTION if args.friction is None else args.friction,
+        scale=args.scale,
+        keep_upright=args.keep_upright,
+    )
+
+
+def _from_catalogue(name: str, args: argparse.Namespace) -> ObjectModel:
+    return make_object(name).with_overrides(mass_kg=args.mass, friction=args.friction)
 
 
 def _settings(args: argparse.Namespace) -> dict[str, Any]:
@@ -114,11 +165,18 @@ def _settings(args: argparse.Namespace) -> dict[str, Any]:
         "mass_kg": args.mass,
         "friction": args.friction,
         "timestep_s": 1e-3 * args.timestep,
-        "mesh": None if args.mesh is None else str(args.mesh),
+        "mesh": [str(path) for path in args.mesh],
+        "ycb": None if args.ycb is None else str(args.ycb),
+        "protocol": asdict(args.protocol) | {"phases": [_phase(phase) for phase in args.protocol.phases]},
         "calibration_sha256": hashlib.sha256(file.read_bytes()).hexdigest(),
         "mujoco_version": version("mujoco"),
         "numpy_version": version("numpy"),
     }
+
+
+def _phase(phase: Phase) -> dict[str, Any]:
+    values = {key: value for key, value in vars(phase).items() if key != "needs_object"}
+    return {"do": type(phase).__name__.lower(), **values}
 
 
 if __name__ == "__main__":

@@ -1,14 +1,18 @@
 """What leaves the calibrated range is told by name: set pressures, gas pressures, joint angles."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
 from softhand_sim.benchmark.report import beyond_calibration, summarise
 from softhand_sim.calibration.limits import ANGLE_MARGIN_RAD, CalibratedRange, RangeWatch
 from softhand_sim.elements import FINGERS
-from softhand_sim.grasp.trial import TrialResult
+from softhand_sim.grasp.protocol_file import load_protocol
+from softhand_sim.grasp.result import crashed
 from softhand_sim.grasp.verdict import Outcome
 from softhand_sim.hand.scene import EngineSettings, build_scene
+from softhand_sim.objects.catalogue import make_object
 from softhand_sim.simulation import HandSimulation, default_pneumatics
 
 
@@ -90,22 +94,8 @@ def test_noise_at_the_range_s_end_is_no_flag_but_a_higher_set_pressure_is(calibr
 
 
 def result(name, seed, beyond):
-    return TrialResult(
-        object=name,
-        seed=seed,
-        outcome=Outcome.MISSED,
-        lift_m=0.0,
-        slip_m=0.0,
-        tilt_rad=0.0,
-        creep_m_per_s=0.0,
-        penetration_m=0.0,
-        peak_pressure_pa_gauge={},
-        object_offset_m=(0.0, 0.0),
-        object_offset_yaw_rad=0.0,
-        simulated_s=1.0,
-        wall_s=1.0,
-        beyond_calibration=beyond,
-    )
+    nothing = crashed(make_object("apple"), load_protocol(), seed)
+    return dataclasses.replace(nothing, object=name, outcome=Outcome.MISSED, beyond_calibration=beyond)
 
 
 def test_the_benchmark_counts_trials_and_keeps_the_extremes():

@@ -5,13 +5,17 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from softhand_sim.benchmark.runner import BenchmarkPlan, prepare_for
-from softhand_sim.grasp.trial import TrialResult, run_trial
+from softhand_sim.benchmark.plan import BenchmarkPlan, prepare_for
+from softhand_sim.benchmark.sheet import sheet
+from softhand_sim.grasp.result import TrialResult
+from softhand_sim.grasp.trial import run_trial
 from softhand_sim.render import Camera, Picture, around, save_png
 from softhand_sim.simulation import HandSimulation
 
 # choice: far enough before the end that the hand has come to rest, and still within the hold
 BEFORE_END_S = 1.0
+# on the sheet of all objects, at half size
+COLUMNS = 3
 
 
 def draw(plan: BenchmarkPlan, results: list[TrialResult], folder: Path) -> list[Path]:
@@ -44,12 +48,5 @@ def draw(plan: BenchmarkPlan, results: list[TrialResult], folder: Path) -> list[
             save_png(files[-1], taken[0])
     if len(files) > 1:
         files.append(folder / "all.png")
-        save_png(files[-1], _sheet([np.asarray(Image.open(file)) for file in files[:-1]]))
+        save_png(files[-1], sheet([np.asarray(Image.open(file))[::2, ::2] for file in files[:-1]], COLUMNS))
     return files
-
-
-def _sheet(pictures: list[Picture]) -> Picture:
-    """Return the pictures in rows of three, at half size, the last row filled up in white."""
-    small = [picture[::2, ::2] for picture in pictures]
-    small += [np.full_like(small[0], 255)] * (-len(small) % 3)
-    return np.vstack([np.hstack(small[start : start + 3]) for start in range(0, len(small), 3)])

@@ -1,5 +1,6 @@
 """Statistics and table of a benchmark."""
 
+import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import asdict
@@ -8,12 +9,13 @@ from typing import Any
 
 from scipy.stats import binomtest
 
-from softhand_sim.grasp.trial import TrialResult
+from softhand_sim.grasp.protocol import GraspProtocol
+from softhand_sim.grasp.result import TrialResult
 from softhand_sim.grasp.verdict import Outcome
 
 HEADER = (
-    f"{'object':<14}{'trials':>7}{'held':>6}{'rate':>7}  {'95 % Wilson':<14}"
-    f"{'slip mm':>8}{'creep um/s':>12}{'depth mm':>10}  other outcomes"
+    f"{'object':<22}{'trials':>7}{'held':>6}{'rate':>7}  {'95 % Wilson':<14}"
+    f"{'slip mm':>8}{'creep um/s':>12}{'depth mm':>10}{'force N':>9}{'fingers':>9}  other outcomes"
 )
 
 
@@ -26,7 +28,9 @@ def wilson_interval(held: int, trials: int) -> tuple[float, float]:
 def summarise(results: Sequence[TrialResult]) -> dict[str, dict[str, Any]]:
     """Return per object: trials, held, success_rate, wilson_low, wilson_high, count of each outcome, flags.
 
-    Medians of slip, creep and depth are over the trials that ended `HELD`, and None where none did.
+    Medians of slip, creep, depth and force are over the trials that ended `HELD`, and None where none did.
+    `finger_contact_share` is the share of trials in which a finger touched another, `engine_warnings` the number of the
+    engine's warnings in all of them.
     """
     summary: dict[str, dict[str, Any]] = {}
     for name in dict.fromkeys(result.object for result in results):
@@ -45,6 +49,9 @@ def summarise(results: Sequence[TrialResult]) -> dict[str, dict[str, Any]]:
             "held_median_creep_m_per_s": median(r.creep_m_per_s for r in held) if held else None,
             "trials_beyond_calibration": sum(bool(r.beyond_calibration) for r in own),
             "held_median_penetration_m": median(r.penetration_m for r in held) if held else None,
+            "held_median_force_n": median(sum(r.force_n.values()) for r in held) if held else None,
+            "finger_contact_share": sum(r.finger_contact_s > 0.0 for r in own) / len(own),
+            "engine_warnings": sum(sum(r.engine_warnings.values()) for r in own),
         }
     return summary
 
@@ -54,6 +61,18 @@ def table(summary: dict[str, dict[str, Any]]) -> str:
     return "\n".join([HEADER, *(_row(name, row) for name, row in summary.items())])
 
 
+def conditions(protocol: GraspProtocol) -> str:
+    """Return what the outcomes of a table mean, in a line."""
+    limits = protocol.thresholds
+    when = "at any time" if limits.at_any_time else "at the end"
+    return (
+        f"protocol {protocol.name}: HELD is slip <= {1e3 * limits.slip_m:g} mm and tilt <= "
+        f"{math.degrees(limits.tilt_rad):.3g} degrees {when}, creep <= {1e6 * limits.creep_m_per_s:g} um/s, depth "
+        f"in the hold <= {1e3 * limits.penetration_m:g} mm, lifted by >= {limits.held_fraction:.0%} "
+        f"of {protocol.lift_m:g} m; fingers: share of trials in which one finger touched another"
+    )
+
+
 def _row(name: str, row: dict[str, Any]) -> str:
     def scaled(key: str, factor: float, digits: int) -> str:
         return "-" if row[key] is None else f"{row[key] * factor:.{digits}f}"
@@ -61,9 +80,10 @@ def _row(name: str, row: dict[str, Any]) -> str:
     interval = f"{row['wilson_low']:.2f} - {row['wilson_high']:.2f}"
     others = ", ".join(f"{k} {n}" for k, n in row["outcomes"].items() if n and k != Outcome.HELD)
     return (
-        f"{name:<14}{row['trials']:>7}{row['held']:>6}{row['success_rate']:>7.2f}  {interval:<14}"
+        f"{name:<22}{row['trials']:>7}{row['held']:>6}{row['success_rate']:>7.2f}  {interval:<14}"
         f"{scaled('held_median_slip_m', 1e3, 1):>8}{scaled('held_median_creep_m_per_s', 1e6, 0):>12}"
-        f"{scaled('held_median_penetration_m', 1e3, 2):>10}  {others}"
+        f"{scaled('held_median_penetration_m', 1e3, 2):>10}{scaled('held_median_force_n', 1, 2):>9}"
+        f"{row['finger_contact_share']:>9.2f}  {others}"
     )
 
 

@@ -9,7 +9,8 @@ import numpy.typing as npt
 
 from softhand_sim.calibration import FingerCalibration
 from softhand_sim.effects.effects import NEED_GAS, Effects
-from softhand_sim.grasp.trial import TrialResult, prepare, run_trial
+from softhand_sim.grasp.result import TrialResult
+from softhand_sim.grasp.trial import prepare, run_trial
 from softhand_sim.objects.model import ObjectModel
 from softhand_sim.simulation import HandSimulation
 

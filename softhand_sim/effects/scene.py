@@ -10,7 +10,8 @@ from softhand_sim.calibration import FingerCalibration
 from softhand_sim.checks import require_finite
 from softhand_sim.effects.effects import Effects
 from softhand_sim.effects.rehearsal import Rehearsal, rehearse
-from softhand_sim.grasp.protocol import LiftProtocol
+from softhand_sim.grasp.protocol import GraspProtocol
+from softhand_sim.grasp.protocol_file import load_protocol
 from softhand_sim.grasp.scripted import plan_grasp
 from softhand_sim.hand.scene import build_root, compile_scene
 from softhand_sim.objects.model import ObjectModel
@@ -76,10 +77,10 @@ class SceneFacts:
         model: ObjectModel,
         calibration: FingerCalibration,
         offered: Effects,
-        protocol: LiftProtocol | None = None,
+        protocol: GraspProtocol | None = None,
     ) -> "SceneFacts":
         """Return the facts of an object's scripted grasp."""
-        times, angles = protocol or LiftProtocol(), plan_grasp(model).set_angle_deg
+        times, angles = protocol or load_protocol(), plan_grasp(model).set_angle_deg
         travel_s = times.lift_m / 0.1  # the wrist's speed (paper)
         return cls(
             calibration=calibration,
@@ -87,7 +88,7 @@ class SceneFacts:
             offered=offered,
             set_pa_gauge=np.array([calibration.closing_pressure(angle) for angle in angles]),
             closed_s=times.close_s,
-            end_s=times.close_s + travel_s + times.settle_s + times.hold_s,
+            end_s=times.close_s + travel_s + times.settle_s + HOLD_S,
         )
 
     def rehearse(self, effects: Effects) -> Rehearsal | None:
@@ -113,6 +114,9 @@ class SceneFacts:
         count = 0.0 if sensor is None else sensor.resolution_pa
         return CONTACT_FACTOR * self.angle_change_deg(self.rehearsal.pulse_pa + 2.0 * count)
 
+
+HOLD_S = 3.0
+"""Choice: how long after the lift a rehearsal goes on; pressures have settled long before, and leaks have shown."""
 
 CONTACT_FACTOR = 1.5
 """Choice: fingers that press on an object, or on one another, shift their load when the pressure changes, and a joint

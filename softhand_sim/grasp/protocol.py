@@ -1,40 +1,90 @@
-"""What a trial does: approach, close, lift, hold; and how the object may lie differently from what is expected."""
+"""What a trial does: approach and close, then phases; where the object lies; what counts as held. All plain values."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
+from softhand_sim.checks import require_in
+from softhand_sim.grasp.phases.lift import Lift
+from softhand_sim.grasp.stage import Phase
+from softhand_sim.grasp.verdict import Thresholds
+
 
 @dataclass(frozen=True, kw_only=True)
-class LiftProtocol:
-    """The paper's grasp: close to set angles, lift at 100 mm/s, hold.
+class Offsets:
+    """Where the object lies beside the place and turn that the hand expects.
 
     Attributes
     ----------
-    approach_m: distance from the grasp pose at which the hand starts (choice).
-    close_s: time given to the valves to fill the fingers (choice: the triple element fills in about 1 s).
-    lift_m, hold_s: height and duration of the hold. The lift runs at the wrist's speed limit (paper: 100 mm/s).
-    settle_s: rest between phases, so that slip is measured from a standing hand (choice).
-    position_noise_m, yaw_noise_rad: largest offset of the object from where the hand expects it, uniform (choice).
+    position_m, yaw_rad: largest displacement along x and along y, and largest turn about the vertical; drawn evenly.
+    stated_m: displacements x, y taken one after the other by the trial's seed, before what is drawn is added.
     """
 
-    approach_m: float = 0.05
-    close_s: float = 2.5
-    lift_m: float = 0.15
-    hold_s: float = 3.0
-    settle_s: float = 0.3
-    position_noise_m: float = 0.010
-    yaw_noise_rad: float = 0.17453292519943295
+    position_m: float = 0.0
+    yaw_rad: float = 0.0
+    stated_m: tuple[tuple[float, float], ...] = ((0.0, 0.0),)
 
     def __post_init__(self) -> None:
-        for name in ("approach_m", "close_s", "lift_m", "hold_s"):
+        require_in("position_m", self.position_m, 0.0, 0.1)
+        require_in("yaw_rad", self.yaw_rad, 0.0, np.pi)
+        if not self.stated_m:
+            raise ValueError("stated_m is empty, needs at least one pair x, y")
+        for pair in self.stated_m:
+            if len(pair) != 2:
+                raise ValueError(f"stated_m: {pair} must be a pair x, y")
+            for value in pair:
+                require_in("stated_m", value, -0.1, 0.1)
+
+    def draw(self, rng: np.random.Generator, seed: int) -> tuple[float, float, float]:
+        """Draw the object's displacement x, y (m) and turn about the vertical (rad) of the trial of a seed."""
+        x, y = rng.uniform(-self.position_m, self.position_m, size=2)
+        yaw = float(rng.uniform(-self.yaw_rad, self.yaw_rad))
+        stated_x, stated_y = self.stated_m[seed % len(self.stated_m)]
+        return float(x) + stated_x, float(y) + stated_y, yaw
+
+
+@dataclass(frozen=True, kw_only=True)
+class GraspProtocol:
+    """A trial's plan; the shipped ones are files in `assets/protocols`, see `softhand_sim.grasp.protocol_file`.
+
+    Attributes
+    ----------
+    name, source: `source` says where the values come from.
+    phases: what happens after the fingers have closed, in order.
+    approach_m: distance from the grasp pose at which the hand starts.
+    close_s: time given to the valves to fill the fingers.
+    settle_s: rest after each move, so that slip is measured from a standing hand.
+    offsets: of the object from where the hand expects it.
+    thresholds: between outcomes.
+    mass_kg, friction: of every object, where the protocol prescribes them.
+    """
+
+    name: str
+    source: str
+    phases: tuple[Phase, ...]
+    approach_m: float
+    close_s: float
+    settle_s: float
+    offsets: Offsets = field(default_factory=Offsets)
+    thresholds: Thresholds = field(default_factory=Thresholds)
+    mass_kg: float | None = None
+    friction: float | None = None
+
+    def __post_init__(self) -> None:
+        if not self.source.strip():
+            raise ValueError("source is empty: say where the values come from")
+        for name in ("approach_m", "close_s"):
             if not 0.0 < getattr(self, name) < 100.0:
                 raise ValueError(f"{name}: {getattr(self, name)} must lie in (0, 100)")
-        for name in ("settle_s", "position_noise_m", "yaw_noise_rad"):
-            if not 0.0 <= getattr(self, name) < 10.0:
-                raise ValueError(f"{name}: {getattr(self, name)} must lie in [0, 10)")
+        require_in("settle_s", self.settle_s, 0.0, 10.0)
+        if not any(isinstance(phase, Lift) for phase in self.phases):
+            raise ValueError("phase: at least one must be a lift, the verdict rests on it")
 
-    def draw_offset(self, rng: np.random.Generator) -> tuple[float, float, float]:
-        """Draw the object's displacement x, y (m) and turn about the vertical (rad)."""
-        x, y = rng.uniform(-self.position_noise_m, self.position_noise_m, size=2)
-        return float(x), float(y), float(rng.uniform(-self.yaw_noise_rad, self.yaw_noise_rad))
+    @property
+    def lift_m(self) -> float:
+        """Height (m) that all lifts together gain."""
+        return sum(phase.height_m for phase in self.phases if isinstance(phase, Lift))
+
+    def draw_offset(self, rng: np.random.Generator, seed: int = 0) -> tuple[float, float, float]:
+        """Draw the object's displacement x, y (m) and turn about the vertical (rad) of the trial of a seed."""
+        return self.offsets.draw(rng, seed)

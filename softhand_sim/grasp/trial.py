@@ -1,8 +1,8 @@
-"""One grasp trial: approach, close, lift, hold, verdict."""
+"""One grasp trial: approach, close, the protocol's phases, verdict."""
 
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,44 +12,19 @@ from softhand_sim.effects import BENCH, Effects
 from softhand_sim.effects.auto import Answer, choose
 from softhand_sim.effects.build import apply_to_model, build_losses, build_pneumatics
 from softhand_sim.effects.scene import SceneFacts, Tolerance
-from softhand_sim.elements import ELEMENTS
 from softhand_sim.grasp.place import place_object
-from softhand_sim.grasp.protocol import LiftProtocol
+from softhand_sim.grasp.protocol import GraspProtocol
+from softhand_sim.grasp.protocol_file import load_protocol
 from softhand_sim.grasp.record import Recorder
+from softhand_sim.grasp.result import TrialResult, result_of
 from softhand_sim.grasp.scripted import GraspPlan, plan_grasp
-from softhand_sim.grasp.verdict import Outcome, Thresholds, judge
+from softhand_sim.grasp.stage import SAMPLE_S, Stage
 from softhand_sim.hand.scene import EngineSettings, Scene, build_scene
 from softhand_sim.losses import Losses
 from softhand_sim.objects.mjcf import attach_object
 from softhand_sim.objects.model import ObjectModel
 from softhand_sim.pneumatics.system import PneumaticSystem
 from softhand_sim.simulation import HandSimulation
-
-# the sensor's and the controller's rate; the recorder samples at the same
-SAMPLE_S = 0.02
-
-
-@dataclass(frozen=True, kw_only=True)
-class TrialResult:
-    """Verdict of one trial and the figures it rests on (SI units; `peak_pressure_pa_gauge` per element).
-
-    `beyond_calibration` holds what went beyond the calibrated range, and its extreme (`RangeWatch.beyond`).
-    """
-
-    object: str
-    seed: int
-    outcome: Outcome
-    lift_m: float
-    slip_m: float
-    tilt_rad: float
-    creep_m_per_s: float
-    penetration_m: float
-    peak_pressure_pa_gauge: dict[str, float]
-    object_offset_m: tuple[float, float]
-    object_offset_yaw_rad: float
-    simulated_s: float
-    wall_s: float
-    beyond_calibration: dict[str, float]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,8 +37,7 @@ class TrialSetup:
     plan: GraspPlan
     pneumatics: PneumaticSystem | None
     losses: Losses
-    protocol: LiftProtocol = field(default_factory=LiftProtocol)
-    thresholds: Thresholds = field(default_factory=Thresholds)
+    protocol: GraspProtocol
     answers: tuple[Answer, ...] = ()
 
 
@@ -71,16 +45,18 @@ def prepare(
     model: ObjectModel,
     calibration: FingerCalibration,
     *,
-    protocol: LiftProtocol | None = None,
+    protocol: GraspProtocol | None = None,
     engine: EngineSettings | None = None,
     effects: Effects = BENCH,
     tolerance: Tolerance | None = None,
 ) -> TrialSetup:
-    """Build the scene of an object and choose its grasp.
+    """Build the scene of an object and choose its grasp; by default for the paper's protocol.
 
     With a tolerance, effects that the scene does not call for are left out (`choose`), and `TrialSetup.answers` says
     why.
     """
+    protocol = protocol or load_protocol()
+    model = model.with_overrides(mass_kg=protocol.mass_kg, friction=protocol.friction)
     answers: tuple[Answer, ...] = ()
     if tolerance is not None:
         effects, answers = choose(SceneFacts.of(model, calibration, effects, protocol), tolerance)
@@ -97,7 +73,7 @@ def prepare(
         plan=plan_grasp(model),
         pneumatics=build_pneumatics(effects, calibration),
         losses=build_losses(effects, calibration),
-        protocol=protocol or LiftProtocol(),
+        protocol=protocol,
         answers=answers,
     )
 
@@ -113,96 +89,67 @@ def run_trial(setup: TrialSetup, seed: int, watch: Callable[[HandSimulation], No
     """
     started = time.perf_counter()
     rng = np.random.default_rng(seed)
-    offset = setup.protocol.draw_offset(rng)
+    offset = setup.protocol.draw_offset(rng, seed)
     simulation = HandSimulation(
         model=setup.scene.model, calibration=setup.calibration, pneumatics=setup.pneumatics, losses=setup.losses
     )
     simulation.reset(rng, setup.plan.standoff(setup.protocol.approach_m))
     place_object(simulation, setup.model.rest_height_m, offset)
-    recorder = Recorder.of(simulation, setup.model.rest_height_m)
-    for phase in _phases(setup, simulation, recorder):
-        while not phase():
-            _advance(simulation, recorder)
+    stage = Stage(
+        simulation=simulation,
+        recorder=Recorder.of(simulation, setup.model.rest_height_m),
+        mass_kg=setup.model.mass_kg,
+        settle_s=setup.protocol.settle_s,
+    )
+    phases_run = 0
+    for done, number in _commands(setup, stage):
+        phases_run = number
+        while not done():
+            _advance(stage)
             if watch is not None:
                 watch(simulation)
             if simulation.diverged:
                 break
         if simulation.diverged:
             break
-    return _result(setup, simulation, recorder, seed, offset, time.perf_counter() - started)
+    return result_of(
+        stage,
+        setup.model,
+        setup.protocol,
+        seed=seed,
+        offset=offset,
+        phases_run=phases_run,
+        wall_s=time.perf_counter() - started,
+    )
 
 
-def _advance(simulation: HandSimulation, recorder: Recorder) -> None:
+def _advance(stage: Stage) -> None:
+    simulation = stage.simulation
     for _ in range(max(1, round(SAMPLE_S / simulation.dt))):
+        if stage.drive is not None:
+            stage.drive()
         simulation.step()
-    recorder.sample(simulation)
+    stage.recorder.sample(simulation)
 
 
-def _phases(setup: TrialSetup, simulation: HandSimulation, recorder: Recorder) -> Iterator[Callable[[], bool]]:
-    """Give each phase's command, then yield the question whether it is over."""
-    protocol, data = setup.protocol, simulation.data
-    grasp = setup.plan.standoff(0.0)
-
-    def until(end_s: float) -> Callable[[], bool]:
-        return lambda: bool(data.time >= end_s)
-
-    def arrived() -> bool:
-        return simulation.wrist_arrived
-
-    simulation.wrist_target = grasp
-    yield arrived
-    yield until(data.time + protocol.settle_s)
+def _commands(setup: TrialSetup, stage: Stage) -> Iterator[tuple[Callable[[], bool], int]]:
+    """Give each command, then yield the question whether it is over, and the number of the protocol's phase."""
+    simulation = stage.simulation
+    simulation.wrist_target = setup.plan.standoff(0.0)
+    yield stage.arrived, 0
+    yield stage.after(stage.settle_s), 0
     simulation.set_pressure_pa_gauge = np.array(
         [setup.calibration.closing_pressure(angle) for angle in setup.plan.set_angle_deg]
     )
-    yield until(data.time + protocol.close_s)
-    recorder.mark_lift_start(simulation)
-    simulation.wrist_target = grasp + np.array([0, 0, protocol.lift_m, 0, 0, 0])
-    yield arrived
-    yield until(data.time + protocol.settle_s)
-    end_s = data.time + protocol.hold_s
-
-    def held() -> bool:
-        recorder.sample_hold(simulation)
-        return bool(data.time >= end_s)
-
-    yield held
+    yield stage.after(setup.protocol.close_s), 0
+    stage.recorder.mark(simulation)
+    for number, phase in enumerate(setup.protocol.phases, start=1):
+        if phase.needs_object and not _in_hand(setup, stage):
+            return
+        for done in phase.run(stage):
+            yield done, number
 
 
-def _result(
-    setup: TrialSetup,
-    simulation: HandSimulation,
-    recorder: Recorder,
-    seed: int,
-    offset: tuple[float, float, float],
-    wall_s: float,
-) -> TrialResult:
-    diverged = simulation.diverged
-    slip, tilt = (0.0, 0.0) if diverged else recorder.slip_and_tilt(simulation)
-    lift = 0.0 if diverged else recorder.lift_m(simulation)
-    outcome = judge(
-        thresholds=setup.thresholds,
-        commanded_lift_m=setup.protocol.lift_m,
-        final_lift_m=lift,
-        highest_lift_m=recorder.highest_lift_m,
-        slip_m=slip,
-        tilt_rad=tilt,
-        diverged=diverged,
-    )
-    peaks = zip(ELEMENTS, recorder.peak_pressure_pa_gauge, strict=True)
-    return TrialResult(
-        object=setup.model.name,
-        seed=seed,
-        outcome=outcome,
-        lift_m=lift,
-        slip_m=slip,
-        tilt_rad=tilt,
-        creep_m_per_s=0.0 if diverged else recorder.creep_m_per_s(),
-        penetration_m=recorder.deepest_m,
-        peak_pressure_pa_gauge={name: float(value) for name, value in peaks},
-        object_offset_m=offset[:2],
-        object_offset_yaw_rad=offset[2],
-        simulated_s=float(simulation.data.time),
-        wall_s=wall_s,
-        beyond_calibration=simulation.range_watch.beyond(),
-    )
+def _in_hand(setup: TrialSetup, stage: Stage) -> bool:
+    lifted = stage.recorder.lift_m(stage.simulation) >= setup.protocol.thresholds.lifted_m
+    return lifted and stage.recorder.touching(stage.simulation)[0] > 0

@@ -20,6 +20,8 @@ class CatalogueEntry:
     ----------
     name, source : str
         `source` says where each value comes from.
+    ycb : str
+        Identifier in the YCB set, such as ``013_apple``; empty if it has none.
     mass_kg, friction : float
     kind : str
         Shape kind, a key of `shapes.GENERATORS`.
@@ -41,6 +43,7 @@ class CatalogueEntry:
     kind: str
     parameters: Mapping[str, float]
     rgba: tuple[float, float, float, float]
+    ycb: str = ""
 
     def __post_init__(self) -> None:
         check_mass(self.mass_kg)
@@ -65,9 +68,9 @@ def _number(table: Mapping[str, Any], key: str) -> float:
 
 
 def _entry(name: str, table: Mapping[str, Any]) -> CatalogueEntry:
-    known = {"mass_kg", "friction", "source", "rgba", "shape"}
-    if set(table) != known or not isinstance(table["shape"], dict):
-        raise ValueError(f"has the keys {sorted(table)}, needs {sorted(known)} with a table `shape`")
+    needed = {"mass_kg", "friction", "source", "rgba", "shape"}
+    if set(table) - {"ycb"} != needed or not isinstance(table["shape"], dict):
+        raise ValueError(f"has the keys {sorted(table)}, needs {sorted(needed)}, may have ycb, with a table `shape`")
     shape = dict(table["shape"])
     kind = str(shape.pop("kind", ""))
     rgba = tuple(float(c) for c in table["rgba"])
@@ -76,6 +79,7 @@ def _entry(name: str, table: Mapping[str, Any]) -> CatalogueEntry:
     return CatalogueEntry(
         name=name,
         source=str(table["source"]),
+        ycb=str(table.get("ycb", "")),
         mass_kg=_number(table, "mass_kg"),
         friction=_number(table, "friction"),
         kind=kind,

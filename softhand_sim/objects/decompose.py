@@ -4,13 +4,19 @@ CoACD: X. Wei et al., "Approximate convex decomposition for 3D meshes with colli
 tree search", ACM Transactions on Graphics 41(4), 2022.
 """
 
+import os
+import subprocess
+import sys
+import tempfile
 from importlib.metadata import version
+from pathlib import Path
 
-import coacd
 import numpy as np
 import trimesh
 
+from softhand_sim.objects.bodies import without_cavities
 from softhand_sim.objects.cache import content_key, read_parts, write_parts
+from softhand_sim.objects.coacd_process import COACD_RECIPE
 from softhand_sim.objects.geometry import FloatArray, hull
 from softhand_sim.objects.mass import is_closed, mass_properties
 
@@ -23,24 +29,11 @@ choice: a scanned tin with a rim fills 0.89, an apple with dimples 0.98, a banan
 HULL_DIRECTIONS = 256
 """Directions whose farthest points make a hull; choice: a 40 mm ball then loses 0.25 mm."""
 
+LONGEST_S = 600.0
+"""Time given to a decomposition; choice: twenty times that of a scanned mug."""
+
 COACD_FACES = 1000
 """Faces the mesh is reduced to first; choice: decomposition time grows faster than linearly with them."""
-
-COACD_RECIPE: dict[str, float | int | str | bool] = {
-    # choice: of the settings tried on a scanned mug and cup among the fastest (20 to 30 s instead of 90 s) at the same
-    # number of parts, their volume within 10 % on the mug and 1 % on the cup; a scanned banana takes 1 s
-    "threshold": 0.1,  # concavity allowed, relative to the size
-    "max_convex_hull": 24,  # choice: more parts slow each contact search
-    "preprocess_mode": "auto",  # remeshes what is not manifold
-    "preprocess_resolution": 30,
-    "resolution": 500,
-    "mcts_nodes": 10,
-    "mcts_iterations": 20,
-    "mcts_max_depth": 3,
-    "decimate": True,
-    "max_ch_vertex": 64,
-    "seed": 0,
-}
 
 
 def reduced_hull(points: FloatArray) -> trimesh.Trimesh:
@@ -73,13 +66,14 @@ def reduced(mesh: trimesh.Trimesh, faces: int) -> trimesh.Trimesh:
 
 
 def convex_parts(mesh: trimesh.Trimesh) -> tuple[trimesh.Trimesh, ...]:
-    """Return convex solids, as closed meshes, that together stand for the mesh.
+    """Return convex solids, as closed meshes, that together stand for the mesh; cavities inside it are filled.
 
     Raises
     ------
     ValueError
         If the decomposition fails.
     """
+    mesh = without_cavities(mesh)
     if is_nearly_convex(mesh):
         return (reduced_hull(np.asarray(mesh.vertices)),)
     small = reduced(mesh, COACD_FACES)
@@ -93,12 +87,32 @@ def convex_parts(mesh: trimesh.Trimesh) -> tuple[trimesh.Trimesh, ...]:
 
 
 def _run_coacd(mesh: trimesh.Trimesh) -> tuple[trimesh.Trimesh, ...]:
-    coacd.set_log_level("off")
-    found = coacd.run_coacd(coacd.Mesh(mesh.vertices, mesh.faces), **COACD_RECIPE)
     # slivers have no volume to speak of and upset the engine; choice: a millionth of the hull
     least = 1e-6 * float(mesh.convex_hull.volume)
-    solids = [hull(vertices) for vertices, _ in found if len(vertices) >= 4]
+    solids = [hull(vertices) for vertices in _in_own_process(mesh) if len(vertices) >= 4]
     parts = tuple(solid for solid in solids if solid.volume > least)
     if not parts:
         raise ValueError("the decomposition into convex parts found no solid part")
     return parts
+
+
+def _in_own_process(mesh: trimesh.Trimesh) -> list[FloatArray]:
+    """Return the corners of each part; a mesh that kills or hangs the decomposition costs its own process only."""
+    with tempfile.TemporaryDirectory() as folder:
+        given, found = Path(folder) / "mesh.npz", Path(folder) / "parts.npz"
+        np.savez(given, vertices=mesh.vertices, faces=mesh.faces)
+        # the child has to find this package where the parent has found it
+        environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+        command = [sys.executable, "-m", "softhand_sim.objects.coacd_process", str(given), str(found)]
+        try:
+            done = subprocess.run(
+                command, env=environment, timeout=LONGEST_S, capture_output=True, check=False, stdin=subprocess.DEVNULL
+            )
+        except subprocess.TimeoutExpired as error:
+            raise ValueError(f"the decomposition into convex parts took longer than {LONGEST_S:g} s") from error
+        if done.returncode != 0:
+            told = done.stderr.decode(errors="replace").strip().splitlines()
+            reason = told[-1] if told else "no reason given"
+            raise ValueError(f"the decomposition into convex parts failed (status {done.returncode}: {reason})")
+        with np.load(found, allow_pickle=False) as data:
+            return list(np.split(data["vertices"], np.cumsum(data["counts"])[:-1]))

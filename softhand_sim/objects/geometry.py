@@ -10,6 +10,16 @@ import trimesh
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 
+SECTORS = 64  # choice: a 64-gon has 0.16 % less area than its circle
+HULL_SECTORS = 32  # choice: facets of a collision hull stay within 0.2 mm of a 40 mm radius
+
+
+def require_positive(**lengths: float) -> None:
+    """Raise ValueError, naming the length, unless every length is finite and above zero."""
+    for name, value in lengths.items():
+        if not (np.isfinite(value) and value > 0.0):
+            raise ValueError(f"{name} is {value}, needs a finite number > 0")
+
 
 @dataclass(frozen=True, kw_only=True)
 class Primitive:

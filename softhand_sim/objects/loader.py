@@ -4,14 +4,16 @@ from pathlib import Path
 
 import numpy as np
 import trimesh
-from scipy.spatial.transform import Rotation
 
 from softhand_sim.objects.decompose import convex_parts, reduced
-from softhand_sim.objects.geometry import FloatArray, ShapeGeometry, hull
-from softhand_sim.objects.mass import MassProperties, combined, is_closed, mass_properties
+from softhand_sim.objects.geometry import ShapeGeometry
+from softhand_sim.objects.mass import MassProperties, combined, is_closed, mass_properties, signed_volume_m3
 from softhand_sim.objects.model import DEFAULT_FRICTION, ObjectModel, build_object, check_friction, check_mass
 from softhand_sim.objects.reader import read_triangles, repair
+from softhand_sim.objects.resting import resting_rotation, turned
 
+WORKING_FACES = 100_000
+"""A finer mesh is reduced first; choice: edges of 1 mm on a mug, seconds instead of a minute for a million."""
 VISUAL_FACES = 4000
 """Faces kept for pictures; choice: finer than a pixel at the sizes rendered here."""
 
@@ -24,6 +26,7 @@ def load_mesh_object(
     scale: float = 1.0,
     name: str | None = None,
     keep_upright: bool = False,
+    root: Path | None = None,
 ) -> ObjectModel:
     """Return an object from an OBJ, STL, PLY, GLB, glTF or OFF file.
 
@@ -42,6 +45,8 @@ def load_mesh_object(
         Default: the file's name without its ending.
     keep_upright : bool
         Take the stable pose nearest to the file's own (z up) instead of the most probable one: a mug then stands.
+    root : Path, optional
+        Folder that neither the file nor a file it names may leave; by default the file's own.
 
     Raises
     ------
@@ -53,18 +58,20 @@ def load_mesh_object(
     path = Path(path)
     check_mass(mass_kg)
     check_friction(friction)
-    mesh, notes = repair(read_triangles(path, scale))
+    mesh = read_triangles(path, scale, root)
     try:
+        mesh, notes = _worked_up(mesh)
         parts = convex_parts(mesh)
-        properties = mass_properties(mesh) if is_closed(mesh) and mesh.volume > 0.0 else combined(parts)
+        properties = mass_properties(mesh) if is_closed(mesh) and signed_volume_m3(mesh) > 0.0 else combined(parts)
         turn = resting_rotation(np.vstack([part.vertices for part in parts]), properties.centre_m, keep_upright)
-    except ValueError as error:
-        raise ValueError(f"{path}: {error}") from error
+    except (ValueError, RuntimeError) as error:  # qhull and the decomposition raise RuntimeError
+        reason = (str(error).strip() or "no reason given").splitlines()[0]
+        raise ValueError(f"{path}: {reason}") from error
     if len(mesh.faces) > VISUAL_FACES:
         notes = (*notes, f"picture reduced from {len(mesh.faces)} to {VISUAL_FACES} triangles")
     visual = reduced(mesh, VISUAL_FACES)
     return build_object(
-        ShapeGeometry(mesh=_turned(visual, turn), convex_parts=tuple(_turned(part, turn) for part in parts)),
+        ShapeGeometry(mesh=turned(visual, turn), convex_parts=tuple(turned(part, turn) for part in parts)),
         name=path.stem if name is None else name,
         kind="mesh",
         mass_kg=mass_kg,
@@ -78,37 +85,10 @@ def load_mesh_object(
     )
 
 
-def resting_rotation(points: FloatArray, centre: FloatArray, keep_upright: bool) -> FloatArray:
-    """Return the smallest rotation, shape (3, 3), that lays a body down in its most probable resting pose.
-
-    Parameters
-    ----------
-    points : ndarray, shape (n, 3)
-        Of the surface that touches the table.
-    centre : ndarray, shape (3,)
-        Mass centre.
-    keep_upright : bool
-        Take the stable pose with the smallest rotation instead of the most probable one.
-
-    Raises
-    ------
-    ValueError
-        If the mass centre is outside the hull of the points.
-
-    Notes
-    -----
-    Quasi-static drop probabilities over the hull's facets, K. Goldberg et al., IJRR 18(5), 1999, as
-    implemented in trimesh; without sampling, so the same on every call.
-    """
-    outer = hull(points)
-    gaps = np.einsum("ij,ij->i", outer.face_normals, centre - outer.triangles_center)
-    if np.any(gaps >= 0.0):
-        raise ValueError("the mass centre lies outside the hull of the convex parts")
-    poses, _ = trimesh.poses.compute_stable_poses(outer, center_mass=centre, sigma=0.0, n_samples=1, seed=0)
-    ups = np.asarray(poses, dtype=np.float64)[:, 2, :3]
-    up = ups[int(np.argmax(ups[:, 2]))] if keep_upright else ups[0]
-    return np.asarray(Rotation.align_vectors([[0.0, 0.0, 1.0]], [up])[0].as_matrix(), dtype=np.float64)
-
-
-def _turned(mesh: trimesh.Trimesh, rotation: FloatArray) -> trimesh.Trimesh:
-    return trimesh.Trimesh(vertices=np.asarray(mesh.vertices) @ rotation.T, faces=np.asarray(mesh.faces), process=False)
+def _worked_up(mesh: trimesh.Trimesh) -> tuple[trimesh.Trimesh, tuple[str, ...]]:
+    """Return the mesh repaired, and first reduced if it is finer than anything here can see; and notes."""
+    if len(mesh.faces) <= WORKING_FACES:
+        return repair(mesh)
+    coarse = reduced(mesh, WORKING_FACES)
+    fixed, notes = repair(coarse)
+    return fixed, (f"reduced from {len(mesh.faces)} to {len(coarse.faces)} triangles", *notes)

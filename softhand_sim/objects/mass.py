@@ -38,6 +38,14 @@ def is_closed(mesh: trimesh.Trimesh) -> bool:
     return bool(len(edges)) and np.array_equal(np.sort(forward), np.sort(backward))
 
 
+def signed_volume_m3(mesh: trimesh.Trimesh) -> float:
+    """Return the volume a closed surface encloses, negative if its triangles are turned inward."""
+    corners = np.asarray(mesh.vertices, dtype=np.float64)[np.asarray(mesh.faces)] - np.asarray(mesh.vertices).mean(
+        axis=0
+    )
+    return float(np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6.0)
+
+
 def mass_properties(mesh: trimesh.Trimesh) -> MassProperties:
     """Return the mass properties of the solid inside a closed surface.
 

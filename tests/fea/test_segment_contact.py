@@ -110,6 +110,9 @@ def test_bad_settings_and_shared_nodes_are_refused():
     face = free_faces(pair.model.mesh, lambda c: np.isclose(c[..., 2], 0.5e-3))
     with pytest.raises(ValueError, match="share"):
         segment_contact(pair.model.mesh, face, face, OPTIONS)
+    wide = replace(LAWS["unilateral"], distance_m=2.0 * GAP)
+    with pytest.raises(ValueError, match="at rest; their gap must be wider"):
+        make_pair(replace(OPTIONS, law=wide))
     with pytest.raises(ValueError, match=r"reach_m = -1\.0"):
         replace(OPTIONS, reach_m=-1.0)
     with pytest.raises(ValueError, match=r"friction = 3\.0"):

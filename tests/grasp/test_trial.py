@@ -5,9 +5,12 @@ import dataclasses
 import numpy as np
 import pytest
 
-from softhand_sim.benchmark.runner import BenchmarkPlan, in_order, run_benchmark
+from softhand_sim.benchmark.plan import BenchmarkPlan
+from softhand_sim.benchmark.runner import in_order, run_benchmark
 from softhand_sim.control.onoff import OnOffController
-from softhand_sim.grasp.protocol import LiftProtocol
+from softhand_sim.grasp.phases.hold import Hold
+from softhand_sim.grasp.phases.lift import Lift
+from softhand_sim.grasp.protocol_file import load_protocol
 from softhand_sim.grasp.trial import prepare, run_trial
 from softhand_sim.grasp.verdict import Outcome
 from softhand_sim.objects.catalogue import make_object
@@ -71,7 +74,7 @@ def test_workers_do_not_change_the_trials():
         objects=(make_object("apple"), make_object("tennis_ball")),
         trials=2,
         seed=5,
-        protocol=LiftProtocol(hold_s=0.5, close_s=1.0),
+        protocol=dataclasses.replace(load_protocol(), close_s=1.0, phases=(Lift(height_m=0.15), Hold(duration_s=0.5))),
     )
     alone, side_by_side = (
         [without_wall_time(r) for r in in_order(plan, list(run_benchmark(plan, workers)))] for workers in (1, 2)

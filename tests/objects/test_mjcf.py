@@ -9,10 +9,10 @@ import trimesh
 from dm_control import mjcf
 
 from softhand_sim.contact import ContactSettings
-from softhand_sim.objects.catalogue import make_object
+from softhand_sim.objects.catalogue import load_catalogue, make_object
 from softhand_sim.objects.mjcf import attach_object
 
-NAMES = ("apple", "banana", "mug", "soup_can", "cracker_box", "tennis_ball")
+NAMES = tuple(load_catalogue())
 
 
 def on_table(model, *, height=0.0, gravity=(0.0, 0.0, -9.81), contact=None):
@@ -40,6 +40,21 @@ def tilt_deg(data):
 
 
 @pytest.mark.parametrize("name", NAMES)
+def test_object_rests_on_the_table_without_drift(name):
+    model = make_object(name)
+    compiled, data = on_table(model)
+    run(compiled, data, 0.5)  # the soft contact takes up the weight
+    settled, place = data.qpos.copy(), 0.0
+    assert settled[:3] == pytest.approx([0.0, 0.0, model.rest_height_m], abs=2e-4)
+    for _ in range(1000):
+        mujoco.mj_step(compiled, data)
+        place = max(place, np.linalg.norm(data.qpos[:3] - settled[:3]))
+    assert place < 2e-5  # m within two seconds
+    assert tilt_deg(data) < 0.5
+    assert not any(warning.number for warning in data.warning)
+
+
+@pytest.mark.parametrize("name", NAMES)
 def test_dropped_object_comes_to_rest_upright_without_a_warning(name):
     model = make_object(name)
     compiled, data = on_table(model, height=0.01)
@@ -47,8 +62,10 @@ def test_dropped_object_comes_to_rest_upright_without_a_warning(name):
     rest = data.qpos.copy()
     assert data.ncon > 0
     assert rest[2] == pytest.approx(model.rest_height_m, abs=2e-4)
-    assert tilt_deg(data) < 0.5
-    assert np.hypot(rest[0], rest[1]) < 5e-4
+    # an oval may rock over to the next facet of its hull
+    oval = model.kind == "egg"
+    assert tilt_deg(data) < (6.0 if oval else 0.5)
+    assert np.hypot(rest[0], rest[1]) < (5e-3 if oval else 5e-4)
     wander = 0.0
     for _ in range(500):
         mujoco.mj_step(compiled, data)

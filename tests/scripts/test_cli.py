@@ -2,10 +2,12 @@
 
 import json
 
+import numpy as np
 import pytest
 import trimesh
+from PIL import Image
 
-from scripts import calibrate, characterize, grasp_benchmark
+from scripts import calibrate, characterize, grasp_benchmark, object_catalogue
 
 
 def refused(capsys, main, argv):
@@ -55,19 +57,24 @@ def test_bad_meshes_and_masses(file, more, told, meshes, capsys):
         (grasp_benchmark.main, ["--trials", "0"], "--trials"),
         (grasp_benchmark.main, ["--workers", "two"], "--workers"),
         (grasp_benchmark.main, ["--calibration", "/nowhere/finger.json"], "finger.json"),
+        (grasp_benchmark.main, ["--protocol", "dance"], "dance"),
+        (grasp_benchmark.main, ["--protocol", "/nowhere/mine.toml"], "mine.toml"),
+        (grasp_benchmark.main, ["--protocol", "six_forces_weightless", "--mass", "0.2"], "--mass"),
+        (grasp_benchmark.main, ["--ycb", "/nowhere/ycb"], "/nowhere/ycb"),
         (characterize.main, ["pressure-angle", "--pressures", "10,900"], "900000"),
         (characterize.main, ["pressure-angle", "--pressures", "ten"], "--pressures"),
         (characterize.main, ["dance"], "dance"),
         (characterize.main, ["tip-load", "--pressures", "10"], "--pressures"),
         (characterize.main, ["tip-force", "--evidence", "/nowhere/evidence.json"], "evidence.json"),
         (calibrate.main, ["--density", "infinite"], "--density"),
+        (object_catalogue.main, ["--objects", "unicorn"], "unicorn"),
     ],
 )
 def test_bad_arguments(main, argv, told, capsys):
     assert told in refused(capsys, main, argv)
 
 
-@pytest.mark.parametrize("main", [grasp_benchmark.main, characterize.main, calibrate.main])
+@pytest.mark.parametrize("main", [grasp_benchmark.main, characterize.main, calibrate.main, object_catalogue.main])
 def test_help_shows_examples(main, capsys):
     with pytest.raises(SystemExit) as stop:
         main(["--help"])
@@ -107,6 +114,55 @@ def test_a_mesh_of_one_s_own_gets_a_verdict(meshes, tmp_path):
     assert wanted <= set(data["trials"][0])
     assert data["trials"][0]["outcome"] == "HELD"
     assert [p.name for p in tmp_path.iterdir() if "partial" in p.name] == []
+
+
+def test_broken_objects_are_listed_and_the_others_run(tmp_path, capsys, monkeypatch):
+    monkeypatch.setenv("SOFTHAND_CACHE", str(tmp_path / "cache"))
+    folder = tmp_path / "ycb"
+    ball = trimesh.creation.icosphere(subdivisions=2, radius=0.0375)
+    texts = {
+        "014_lemon": "Dear sir or madam",
+        "015_peach": "v 0 0 0\nv 1 0 0\nv 0 nan 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\n",
+        "016_pear": "mtllib ../../../secret.mtl\nv 0 0 0\n",
+    }
+    for name in ("013_apple", *texts, "900_thing"):
+        (folder / name / "google_16k").mkdir(parents=True)
+        ball.export(folder / name / "google_16k/textured.obj")
+    for name, text in texts.items():
+        (folder / name / "google_16k/textured.obj").write_text(text)
+    (folder / "objects.json").write_text(json.dumps({"objects": ["013_apple", *texts, "900_thing", "../secret"]}))
+    out = tmp_path / "out.json"
+    argv = ["--ycb", str(folder), "--trials", "1", "--no-pictures", "--json", str(out)]
+    assert grasp_benchmark.main(argv) == 1
+    data = json.loads(out.read_text())
+    assert list(data["objects"]) == ["013_apple"]
+    assert data["trials"][0]["mass_kg"] == 0.068
+    assert data["settings"]["protocol"]["name"] == "paper"
+    reasons = data["not_tried"]
+    assert set(reasons) == {*texts, "900_thing", "../secret"}
+    assert "NaN" in reasons["015_peach"]
+    assert "outside the folder" in reasons["016_pear"]
+    assert "outside the folder" in reasons["../secret"]
+    assert "no mass" in reasons["900_thing"]
+    told = capsys.readouterr()
+    assert "013_apple" in told.out
+    assert all(f"not tried: {name}: " in told.err for name in reasons)
+
+
+def test_the_catalogue_s_page_shows_every_object(tmp_path, capsys):
+    page, data, picture = tmp_path / "objects.md", tmp_path / "objects.json", tmp_path / "objects.png"
+    argv = ["--objects", "apple,mug", "--markdown", str(page), "--json", str(data), "--picture", str(picture)]
+    assert object_catalogue.main(argv) == 0
+    rows = json.loads(data.read_text())["objects"]
+    assert rows["mug"]["mass_kg"] == 0.118
+    assert "| apple | 013_apple |" in page.read_text()
+    assert "](objects.png)" in page.read_text()
+    # two tiles of different things, the rest of the row white
+    pixels = np.asarray(Image.open(picture)).astype(int)
+    width = pixels.shape[1] // 8
+    assert np.abs(pixels[:, :width] - pixels[:, width : 2 * width]).max() > 50
+    assert pixels[:, 2 * width :].min() == 255
+    assert "apple" in capsys.readouterr().out
 
 
 def test_characterize_writes_the_agreed_keys(tmp_path):

@@ -152,11 +152,10 @@ def test_runs_are_kept_one_by_one_and_not_repeated(tmp_path, capsys, monkeypatch
 
 
 def test_contact_refused_in_the_run_s_process_is_a_result():
-
-    geometry = replace(FingerGeometry(), ring_count=2, clearance_m=0.1e-3)
+    geometry = replace(FingerGeometry(), ring_count=2, clearance_m=0.08e-3)
     run = execute(Case(geometry=geometry, pressures_pa_gauge=(1e3,), formulation="P1"))
     assert run["status"] == "invalid"
-    assert "activation_distance_m" in run["message"]
+    assert "at rest; their gap must be wider" in run["message"]
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,16 @@ from itertools import pairwise
 import numpy as np
 import trimesh
 
-from softhand_sim.objects.geometry import FloatArray, IntArray, ShapeGeometry, fan, hull, join_rings, surface
+from softhand_sim.objects.geometry import (
+    FloatArray,
+    IntArray,
+    ShapeGeometry,
+    fan,
+    hull,
+    join_rings,
+    require_positive,
+    surface,
+)
 
 SIDES = 60  # choice: faces around; divisible by the number of wall parts
 WINDOW_COLUMNS = 3  # grid cells of a handle window around ...
@@ -93,9 +102,7 @@ def mug(
     ValueError
         If a length is not positive or the parts do not fit together.
     """
-    for name, value in dict(locals()).items():
-        if not (np.isfinite(value) and value > 0.0):
-            raise ValueError(f"{name} is {value}, needs a finite number > 0")
+    require_positive(**dict(locals()))
     cup = _Cup(
         radius=diameter_m / 2.0,
         height=height_m,
@@ -189,3 +196,6 @@ def _cup_parts(cup: _Cup, angle: FloatArray) -> list[trimesh.Trimesh]:
         radii = (cup.radius, cup.radius - cup.wall)
         parts.append(hull(np.vstack([_circle(r, z, piece) for r in radii for z in (cup.bottom, cup.height)])))
     return parts
+
+
+KINDS = {"mug": mug}

@@ -1,0 +1,140 @@
+"""Finished trials in an SQLite file: each is written once, whole; a run that was killed goes on where it was.
+
+One process writes (the workers send it their results). The journal is a write-ahead log, so others may read meanwhile.
+"""
+
+import hashlib
+import json
+import sqlite3
+from collections.abc import Iterator
+from dataclasses import asdict, fields
+from importlib.metadata import version
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+import numpy as np
+
+from assets import asset_path
+from softhand_sim.benchmark.plan import BenchmarkPlan
+from softhand_sim.grasp.result import TrialResult
+from softhand_sim.grasp.verdict import Outcome
+from softhand_sim.objects.model import ObjectModel
+
+_TABLES = """
+CREATE TABLE IF NOT EXISTS conditions (only_row INTEGER PRIMARY KEY CHECK (only_row = 1), text TEXT NOT NULL);
+CREATE TABLE IF NOT EXISTS objects (name TEXT PRIMARY KEY, digest TEXT NOT NULL);
+CREATE TABLE IF NOT EXISTS trials (
+  object TEXT NOT NULL REFERENCES objects (name), seed INTEGER NOT NULL, result TEXT NOT NULL,
+  PRIMARY KEY (object, seed)
+);
+"""
+
+
+class TrialStore:
+    """The trials of one set of conditions; a context manager.
+
+    More objects and more trials may be added to a store; other conditions (protocol, engine, calibration, versions of
+    engine and numerics) or another object of the same name are refused.
+
+    Raises
+    ------
+    ValueError
+        If the file is no store, is being written to by another run, or belongs to other conditions or objects.
+    """
+
+    def __init__(self, path: Path, plan: BenchmarkPlan) -> None:
+        self._path = path
+        try:
+            # a lock that the system lifts when the process ends, however it ends
+            self._lock = sqlite3.connect(f"{path}.lock", timeout=0.0, isolation_level=None)
+            self._lock.execute("BEGIN EXCLUSIVE")
+        except sqlite3.OperationalError as error:
+            raise ValueError(f"{path}: another run writes to it ({error})") from error
+        try:
+            self._base = sqlite3.connect(path, isolation_level=None)
+            self._base.execute("PRAGMA journal_mode = WAL")
+            self._base.executescript(_TABLES)
+            self._agree(plan)
+        except (sqlite3.DatabaseError, ValueError) as error:
+            self.close()
+            raise ValueError(f"{path}: {error}") from error
+
+    def _agree(self, plan: BenchmarkPlan) -> None:
+        """Note the plan's conditions and objects, or refuse those that differ from what is there."""
+        new = json.dumps(conditions(plan), sort_keys=True)
+        self._base.execute("INSERT OR IGNORE INTO conditions VALUES (1, ?)", (new,))
+        (old,) = self._base.execute("SELECT text FROM conditions").fetchone()
+        if old != new:
+            before, after = json.loads(old), json.loads(new)
+            differing = sorted(key for key in after if before.get(key) != after[key])
+            raise ValueError(f"holds trials under other conditions ({', '.join(differing)}); take another file")
+        for model in plan.objects:
+            mark = digest(model)
+            self._base.execute("INSERT OR IGNORE INTO objects VALUES (?, ?)", (model.name, mark))
+            (known,) = self._base.execute("SELECT digest FROM objects WHERE name = ?", (model.name,)).fetchone()
+            if known != mark:
+                raise ValueError(f"holds trials of another object called {model.name!r}; take another file")
+
+    def add(self, result: TrialResult) -> None:
+        """Write one finished trial, in one transaction.
+
+        Raises
+        ------
+        sqlite3.IntegrityError
+            If it is there already.
+        """
+        row = {**asdict(result), "outcome": result.outcome.value}
+        self._base.execute(
+            "INSERT INTO trials VALUES (?, ?, ?)", (result.object, result.seed, json.dumps(row, allow_nan=False))
+        )
+
+    def results(self) -> Iterator[TrialResult]:
+        """Return the trials that are there."""
+        for (text,) in self._base.execute("SELECT result FROM trials").fetchall():
+            yield _result(json.loads(text))
+
+    def close(self) -> None:
+        """Close the file and let others write to it."""
+        if hasattr(self, "_base"):
+            self._base.close()
+        self._lock.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+def conditions(plan: BenchmarkPlan) -> dict[str, Any]:
+    """Return what, beside object and seed, decides a trial's result."""
+    file = plan.calibration or asset_path("calibration", "finger.json")
+    return {
+        "protocol": repr(plan.protocol),
+        "engine": asdict(plan.engine),
+        "calibration_sha256": hashlib.sha256(file.read_bytes()).hexdigest(),
+        "mujoco_version": version("mujoco"),
+        "numpy_version": version("numpy"),
+        "softhand_sim_version": version("softhand-sim"),
+    }
+
+
+def digest(model: ObjectModel) -> str:
+    """Return the SHA-256 of everything about an object that a trial depends on."""
+    sha = hashlib.sha256(repr((model.name, model.mass_kg, model.friction, model.primitive)).encode())
+    arrays = [model.inertia_kg_m2, np.asarray(model.mesh.vertices), np.asarray(model.mesh.faces)]
+    for part in model.convex_parts:
+        arrays += [np.asarray(part.vertices), np.asarray(part.faces)]
+    for array in arrays:
+        sha.update(repr(array.shape).encode())
+        sha.update(np.ascontiguousarray(array).tobytes())
+    return sha.hexdigest()
+
+
+def _result(row: dict[str, Any]) -> TrialResult:
+    values = {field.name: row[field.name] for field in fields(TrialResult)}
+    values |= {"outcome": Outcome(row["outcome"]), "links": tuple(row["links"])}
+    return TrialResult(**{**values, "object_offset_m": tuple(row["object_offset_m"])})
