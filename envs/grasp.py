@@ -224,11 +224,10 @@ class SoftHandGraspEnv(gymnasium.Env[Vector, Vector]):
 
     def _observation(self) -> Vector:
         simulation = self._simulation
-        ambient = simulation.pneumatics.elements[0].ambient_pa_abs
         position, rotation = simulation.in_palm_frame(self._body)
         return pack(
             {
-                "pressure_reading_kpa_gauge": (np.array(simulation.gas.readings_pa_abs) - ambient) / 1e3,
+                "pressure_reading_kpa_gauge": simulation.reading_pa_gauge() / 1e3,
                 "set_pressure_kpa_gauge": simulation.set_pressure_pa_gauge / 1e3,
                 "wrist_position_m": simulation.data.qpos[simulation.index.wrist_qpos[:3]],
                 "wrist_angle_rad": simulation.data.qpos[simulation.index.wrist_qpos[3:]],

@@ -1,5 +1,6 @@
 """Bench tests of the simulated finger: held against finite elements and against what the paper states."""
 
+import argparse
 from collections.abc import Sequence
 from importlib.util import find_spec
 from pathlib import Path
@@ -11,11 +12,14 @@ from scripts import _cli
 from softhand_sim.calibration import FingerCalibration, FingerEvidence, load_calibration, load_evidence
 from softhand_sim.characterize import STUDIES, Report
 from softhand_sim.characterize.pictures import draw
+from softhand_sim.characterize.pressure_reports import PRESSURE_STUDIES
 from softhand_sim.characterize.pressure_sweep import PRESSURES_PA_GAUGE, pressure_angle_report
+from softhand_sim.effects import PRESETS
 
 EXAMPLES = """examples:
   characterize.py all --json out/fidelity.json --pictures out/fidelity
   characterize.py pressure-angle --pressures 10,37,75
+  characterize.py steps --effects bench --repeats 3 --json out/steps.json --pictures out
   characterize.py tip-load --calibration my_finger.json --evidence my_evidence.json
 Exit status 1 if a check does not hold.
 """
@@ -26,16 +30,26 @@ def _pressures(text: str) -> list[float]:
     return [1e3 * float(value) for value in text.split(",")]
 
 
+def _repeats(text: str) -> int:
+    value = int(text)
+    if value < 2:
+        raise argparse.ArgumentTypeError(f"{text} must be 2 or more, for a band")
+    return value
+
+
 def parser() -> _cli.Parser:
     """Return the command line's definition."""
     p = _cli.Parser(description=__doc__, examples=EXAMPLES)
-    p.add_argument("test", choices=[*STUDIES, "all"], help="which bench test to run")
+    choices = [*STUDIES, *PRESSURE_STUDIES, "all"]
+    p.add_argument("test", choices=choices, help=f"which bench test to run (all: {', '.join(STUDIES)})")
+    p.add_argument("--repeats", type=_repeats, default=5, help="steps, hold, leak: repeats over seeds, 2 or more (5)")
+    p.add_argument("--effects", choices=["bench", "full"], default="full", help="steps, hold, leak: preset (full)")
     default = ",".join(f"{1e-3 * p:g}" for p in PRESSURES_PA_GAUGE)
     p.add_argument("--pressures", type=_pressures, help=f"pressure-angle: kPa gauge of its table (default {default})")
     p.add_argument("--calibration", type=Path, help="finger calibration (default: the shipped one)")
     p.add_argument("--evidence", type=Path, help="what the finite elements show (default: the shipped file)")
     p.add_argument("--pictures", type=Path, metavar="FOLDER", help="draw one PNG a test into this folder")
-    p.add_common(seed="taken for uniformity; nothing is random", json="write the figures to this file")
+    p.add_common(seed="steps, hold, leak: first seed of the sensors' noise", json="write the figures to this file")
     return p
 
 
@@ -55,7 +69,7 @@ def _job(argv: Sequence[str] | None) -> int:
         if find_spec("matplotlib") is None:
             raise ValueError("--pictures: matplotlib is missing (pip install 'softhand-sim[plots]')")
     calibration, evidence = load_calibration(args.calibration), load_evidence(args.evidence)
-    reports = [_run(name, calibration, evidence, args.pressures) for name in tqdm(names, unit="test", disable=None)]
+    reports = [_run(name, calibration, evidence, args) for name in tqdm(names, unit="test", disable=None)]
     for report in reports:
         _print(report)
         if args.pictures is not None and report.panels:
@@ -66,11 +80,12 @@ def _job(argv: Sequence[str] | None) -> int:
     return 0 if all(report.holds for report in reports) else CHECK_FAILED
 
 
-def _run(
-    name: str, calibration: FingerCalibration, evidence: FingerEvidence, pressures: Sequence[float] | None
-) -> Report:
-    if pressures is not None:
-        return pressure_angle_report(calibration, pressures_pa_gauge=pressures)
+def _run(name: str, calibration: FingerCalibration, evidence: FingerEvidence, args: argparse.Namespace) -> Report:
+    if name in PRESSURE_STUDIES:
+        seeds = range(args.seed, args.seed + args.repeats)
+        return PRESSURE_STUDIES[name](calibration, PRESETS[args.effects], seeds)
+    if args.pressures is not None:
+        return pressure_angle_report(calibration, pressures_pa_gauge=args.pressures)
     return STUDIES[name](calibration, evidence)
 
 

@@ -13,3 +13,9 @@ AMBIENT_PA_ABS = 101_325.0
 REFERENCE_DENSITY_KG_PER_M3 = 1.185
 """Density rho0 [kg/m3] of air in the reference atmosphere of ISO 8778 (20 C, 100 kPa, 65 % humidity), in
 which ISO 6358 states sonic conductances."""
+
+VISCOSITY_PA_S = 1.813e-5
+"""Dynamic viscosity of air at 20 C [Pa s] (Sutherland's formula of the U.S. Standard Atmosphere 1976)."""
+
+HEAT_CAPACITY_RATIO = 1.4
+"""Ratio of specific heats of air [-]: the exponent of an adiabatic change of state."""

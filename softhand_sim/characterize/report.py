@@ -13,6 +13,7 @@ class Source(Enum):
     FEA = "finite elements, not seen by the fit"
     SURROGATE = "simulated finger (MuJoCo)"
     PAPER = "paper (stated in its text)"
+    COMMAND = "set value"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,12 +36,16 @@ class Check:
 
 @dataclass(frozen=True, kw_only=True)
 class Curve:
-    """Points of one source; ``label`` says which where a panel has several of one source."""
+    """Points of one source; ``label`` says which where a panel has several of one source.
+
+    ``half_width`` is that of the band round ``y``, as long as it, or empty for none.
+    """
 
     source: Source
     x: Sequence[float]
     y: Sequence[float]
     label: str = ""
+    half_width: Sequence[float] = ()
 
 
 @dataclass(frozen=True, kw_only=True)

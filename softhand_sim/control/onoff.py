@@ -1,6 +1,5 @@
 """The paper's ON-OFF pressure law, evaluated at the sensor's sampling rate."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -9,7 +8,8 @@ from softhand_sim.checks import require_finite
 from softhand_sim.control.protocol import ControllerState, ValveCommand
 from softhand_sim.elements import ELEMENTS
 
-_MEMORY = 5  # inlet open, outlet open, last reading, rise of the last inlet pulse, fall of the last outlet pulse
+# inlet open, outlet open, last reading, rise over the last tick of inlet, fall over the last tick of outlet, ticks open
+_MEMORY = 6
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,24 +39,35 @@ class OnOffController:
         Whether the last pulse is remembered (see above).
     ambient_pa_abs
         Ambient that the gauge set pressures refer to [Pa abs].
+    minimum_pulse_ticks
+        Shortest opening of a valve, in control ticks. Choice: 1, which is 20 ms at the paper's 50 Hz; a valve with an
+        opening delay of a tick or more needs more, or its pulses let nothing through.
+    dead_time_ticks
+        How long a valve goes on flowing after the command to shut, in control ticks; looked ahead too. Choice: 0.
 
     Raises
     ------
     ValueError
-        If the dead band is negative or ambient is not positive.
+        If the dead band or dead time is negative, ambient is not positive, or the pulse is not a whole number from
+        1 to 1000.
     """
 
     dead_band_pa: float = 2.0 * 244.140625
     lookahead: bool = True
     ambient_pa_abs: float = AMBIENT_PA_ABS
+    minimum_pulse_ticks: int = 1
+    dead_time_ticks: float = 0.0
 
     def __post_init__(self) -> None:
         require_finite("dead_band_pa", self.dead_band_pa, at_least=0.0)
         require_finite("ambient_pa_abs", self.ambient_pa_abs, above=0.0)
+        require_finite("dead_time_ticks", self.dead_time_ticks, at_least=0.0)
+        if self.minimum_pulse_ticks not in range(1, 1001):
+            raise ValueError(f"minimum_pulse_ticks = {self.minimum_pulse_ticks!r}: must be an integer from 1 to 1000")
 
     def reset(self) -> ControllerState:
-        """Return the memory before the first tick: valves shut, no reading (NaN), no pulse seen."""
-        return (0.0, 0.0, math.nan, 0.0, 0.0) * len(ELEMENTS)
+        """Return the memory before the first tick: valves shut, no pulse seen."""
+        return (0.0,) * _MEMORY * len(ELEMENTS)
 
     def command(
         self, readings_pa_abs: Sequence[float], set_pa_gauge: Sequence[float], state: ControllerState
@@ -65,20 +76,23 @@ class OnOffController:
         commands: list[ValveCommand] = []
         memory: list[float] = []
         for k, (reading, set_gauge) in enumerate(zip(readings_pa_abs, set_pa_gauge, strict=True)):
-            inlet, outlet, last, rise, fall = state[k * _MEMORY : (k + 1) * _MEMORY]
+            inlet, outlet, last, rise, fall, ticks_open = state[k * _MEMORY : (k + 1) * _MEMORY]
+            # with dead time the first reading of a pulse shows a part of it: keep what the one before did
+            part = self.dead_time_ticks > 0.0 and ticks_open == 1.0
             if self.lookahead and inlet:
-                rise = max(reading - last, 0.0)
+                rise = max(reading - last, rise if part else 0.0)
             if self.lookahead and outlet:
-                fall = max(last - reading, 0.0)
-            command = self._decide(
-                reading - self.ambient_pa_abs,
-                float(set_gauge),
-                ValveCommand(bool(inlet), bool(outlet)),
-                rise,
-                fall,
-            )
+                fall = max(last - reading, fall if part else 0.0)
+            now = ValveCommand(bool(inlet), bool(outlet))
+            if 0.0 < ticks_open < self.minimum_pulse_ticks:
+                command = now
+            else:
+                command = self._decide(reading - self.ambient_pa_abs, float(set_gauge), now, rise, fall)
+            ticks_open = ticks_open + 1.0 if command == now else 1.0
+            if not (command.inlet_open or command.outlet_open):
+                ticks_open = 0.0
             commands.append(command)
-            memory += (float(command.inlet_open), float(command.outlet_open), reading, rise, fall)
+            memory += (float(command.inlet_open), float(command.outlet_open), reading, rise, fall, ticks_open)
         return tuple(commands), tuple(memory)
 
     def _decide(
@@ -88,6 +102,8 @@ class OnOffController:
         error = set_gauge - reading_gauge
         if set_gauge <= 0.0:
             return ValveCommand(False, -error > (0.0 if now.outlet_open else self.dead_band_pa))
-        inlet_at = rise if now.inlet_open else max(self.dead_band_pa, rise)
-        outlet_at = fall if now.outlet_open else max(self.dead_band_pa, fall)
+        # a pulse that begins lasts its shortest time, one that goes on may end at the next tick
+        going_on, beginning = 1.0 + self.dead_time_ticks, float(self.minimum_pulse_ticks)
+        inlet_at = rise * going_on if now.inlet_open else max(self.dead_band_pa, rise * beginning)
+        outlet_at = fall * going_on if now.outlet_open else max(self.dead_band_pa, fall * beginning)
         return ValveCommand(error > inlet_at, -error > outlet_at)

@@ -56,11 +56,7 @@ class Recorder:
                 self.deepest_m = max(self.deepest_m, -float(data.contact.dist[touching].min()))
             self._sample_fingers(simulation)
         self.highest_lift_m = max(self.highest_lift_m, self.lift_m(simulation))
-        np.maximum(
-            self.peak_pressure_pa_gauge,
-            np.asarray(simulation.gas.pressure_pa_abs) - simulation.pneumatics.elements[0].ambient_pa_abs,
-            out=self.peak_pressure_pa_gauge,
-        )
+        np.maximum(self.peak_pressure_pa_gauge, simulation.pressure_pa_gauge(), out=self.peak_pressure_pa_gauge)
         if self.reference is not None:
             self.way.append(simulation.in_palm_frame(self.object_body))
 

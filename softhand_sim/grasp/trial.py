@@ -3,10 +3,15 @@
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from softhand_sim.calibration import FingerCalibration
+from softhand_sim.effects import BENCH, Effects
+from softhand_sim.effects.auto import Answer, choose
+from softhand_sim.effects.build import apply_to_model, build_losses, build_pneumatics
+from softhand_sim.effects.scene import SceneFacts, Tolerance
 from softhand_sim.grasp.place import place_object
 from softhand_sim.grasp.protocol import GraspProtocol
 from softhand_sim.grasp.protocol_file import load_protocol
@@ -15,9 +20,11 @@ from softhand_sim.grasp.result import TrialResult, result_of
 from softhand_sim.grasp.scripted import GraspPlan, plan_grasp
 from softhand_sim.grasp.stage import SAMPLE_S, Stage
 from softhand_sim.hand.scene import EngineSettings, Scene, build_scene
+from softhand_sim.losses import Losses
 from softhand_sim.objects.mjcf import attach_object
 from softhand_sim.objects.model import ObjectModel
-from softhand_sim.simulation import HandSimulation, default_pneumatics
+from softhand_sim.pneumatics.system import PneumaticSystem
+from softhand_sim.simulation import HandSimulation
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,7 +35,10 @@ class TrialSetup:
     calibration: FingerCalibration
     scene: Scene
     plan: GraspPlan
+    pneumatics: PneumaticSystem | None
+    losses: Losses
     protocol: GraspProtocol
+    answers: tuple[Answer, ...] = ()
 
 
 def prepare(
@@ -37,17 +47,34 @@ def prepare(
     *,
     protocol: GraspProtocol | None = None,
     engine: EngineSettings | None = None,
+    effects: Effects = BENCH,
+    tolerance: Tolerance | None = None,
 ) -> TrialSetup:
-    """Build the scene of an object and choose its grasp; by default for the paper's protocol."""
+    """Build the scene of an object and choose its grasp; by default for the paper's protocol.
+
+    With a tolerance, effects that the scene does not call for are left out (`choose`), and `TrialSetup.answers` says
+    why.
+    """
     protocol = protocol or load_protocol()
     model = model.with_overrides(mass_kg=protocol.mass_kg, friction=protocol.friction)
-    scene = build_scene(calibration, engine=engine, add_object=lambda root: attach_object(root, model))
+    answers: tuple[Answer, ...] = ()
+    if tolerance is not None:
+        effects, answers = choose(SceneFacts.of(model, calibration, effects, protocol), tolerance)
+
+    def add_object(root: Any) -> None:
+        apply_to_model(effects, root)
+        attach_object(root, model)
+
+    scene = build_scene(calibration, engine=engine, add_object=add_object)
     return TrialSetup(
         model=model,
         calibration=calibration,
         scene=scene,
         plan=plan_grasp(model),
+        pneumatics=build_pneumatics(effects, calibration),
+        losses=build_losses(effects, calibration),
         protocol=protocol,
+        answers=answers,
     )
 
 
@@ -64,7 +91,7 @@ def run_trial(setup: TrialSetup, seed: int, watch: Callable[[HandSimulation], No
     rng = np.random.default_rng(seed)
     offset = setup.protocol.draw_offset(rng, seed)
     simulation = HandSimulation(
-        model=setup.scene.model, calibration=setup.calibration, pneumatics=default_pneumatics(setup.calibration)
+        model=setup.scene.model, calibration=setup.calibration, pneumatics=setup.pneumatics, losses=setup.losses
     )
     simulation.reset(rng, setup.plan.standoff(setup.protocol.approach_m))
     place_object(simulation, setup.model.rest_height_m, offset)

@@ -5,34 +5,23 @@ from dataclasses import dataclass, field
 
 from softhand_sim.air import AMBIENT_PA_ABS
 from softhand_sim.checks import require_finite
+from softhand_sim.pneumatics.balance import Link, solve_pressure
 from softhand_sim.pneumatics.chamber import Chamber
-from softhand_sim.pneumatics.valve import Valve
-
-TUBE_BORE_M = 3e-3
-"""Bore of the air tubes [m] (the paper's "air tubes with 3 mm diameter", read as the inner one)."""
-
-SHARED_TUBE_M = 0.5
-"""Length of the tube from an element's valves to its manifold [m]. Choice: control board beside the wrist."""
-
-FINGER_TUBE_M = 0.5
-"""Length of each finger's own tube from the manifold [m]. Choice: forearm to palm."""
+from softhand_sim.pneumatics.orifice import Orifice
+from softhand_sim.pneumatics.thermal import Polytropic
+from softhand_sim.pneumatics.tube import Tubing, tube_volume_m3
 
 # For accuracy, not stability: parts of at most 4 % of the emptying time constant keep the first-order error
 # under 2 %. The default element takes a 20 ms step in one part.
-_LARGEST_PART = 0.04
-_MOST_PARTS = 10
-_TOLERANCE = 1e-12
-_MAX_ITERATIONS = 100
-
-
-def tube_volume_m3(fingers: int) -> float:
-    """Return the gas volume [m3] of an element's tubes: one shared, and one for each of its fingers."""
-    return math.pi / 4.0 * TUBE_BORE_M**2 * (SHARED_TUBE_M + fingers * FINGER_TUBE_M)
+LARGEST_PART = 0.04
+MOST_PARTS = 10
 
 
 @dataclass(frozen=True, kw_only=True)
 class Element:
-    """Gas balance of one element: all its chambers and tubes share one pressure.
+    """Gas balance of one element. Its chambers and tubes share one pressure, unless the tubes resist.
+
+    The methods are those of an isothermal element of one pressure, without leak; `network` has the rest.
 
     Attributes
     ----------
@@ -49,29 +38,42 @@ class Element:
         Ambient [Pa abs].
     gas
         Temperature and gas constant.
+    tubing
+        Tubes that resist the flow; their volume is part of ``dead_volume_m3``. None: the gas of the element has
+        one pressure.
+    thermal
+        Heat of compression. None: isothermal.
 
     Raises
     ------
     ValueError
-        If the dead volume is negative, or the supply is below ambient.
+        If the dead volume is negative, or does not hold the tubes, or the supply is below ambient.
     """
 
-    inlet: Valve = field(default_factory=Valve)
-    outlet: Valve = field(default_factory=Valve)
+    inlet: Orifice = field(default_factory=Orifice)
+    outlet: Orifice = field(default_factory=Orifice)
     dead_volume_m3: float = tube_volume_m3(1)
     compliance_m3_per_pa: float = 0.0
     supply_pa_abs: float = 250e3
     ambient_pa_abs: float = AMBIENT_PA_ABS
     gas: Chamber = field(default_factory=Chamber)
+    tubing: Tubing | None = None
+    thermal: Polytropic | None = None
     _rt: float = field(init=False, repr=False, compare=False)
     _fastest: float = field(init=False, repr=False, compare=False)
+    _bulged: float = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         require_finite("dead_volume_m3", self.dead_volume_m3, at_least=0.0)
         require_finite("compliance_m3_per_pa", self.compliance_m3_per_pa, at_least=0.0)
         require_finite("ambient_pa_abs", self.ambient_pa_abs, above=0.0)
         require_finite("supply_pa_abs", self.supply_pa_abs, at_least=self.ambient_pa_abs)
+        if self.tubing is not None and self.dead_volume_m3 < self.tubing.volume_m3(1):
+            raise ValueError(
+                f"dead_volume_m3 = {self.dead_volume_m3!r}: must hold the tubes' {self.tubing.volume_m3(1):g} m3"
+            )
         object.__setattr__(self, "_rt", self.gas.rt_j_per_kg)
+        object.__setattr__(self, "_bulged", self.compliance_m3_per_pa * self.ambient_pa_abs)
         fastest = max(v.choked_coefficient_kg_per_s_pa for v in (self.inlet, self.outlet))
         object.__setattr__(self, "_fastest", fastest)
 
@@ -80,7 +82,7 @@ class Element:
 
         Root of ``p (V0 + C (p - p_ambient)) = m R T``, written so that no digits cancel.
         """
-        stiff, content = self._stiff_volume_m3(volume_m3), mass_kg * self._rt
+        stiff, content = volume_m3 + self.dead_volume_m3 - self._bulged, mass_kg * self._rt
         return 2.0 * content / (stiff + math.sqrt(stiff**2 + 4.0 * self.compliance_m3_per_pa * content))
 
     def mass_kg(self, pressure_pa_abs: float, volume_m3: float) -> float:
@@ -108,44 +110,33 @@ class Element:
             )
         if not (inlet_open or outlet_open):
             return mass_kg
-        capacity = (volume_m3 + self.dead_volume_m3) / self._rt
-        parts = min(max(math.ceil(dt * self._fastest / (capacity * _LARGEST_PART)), 1), _MOST_PARTS)
+        parts = self.parts(volume_m3, dt, self._fastest)
         for _ in range(parts):
             p = self._solve(mass_kg, volume_m3, inlet_open, outlet_open, dt / parts)
             mass_kg = self.mass_kg(p, volume_m3)
         return mass_kg
 
+    def parts(self, volume_m3: float, dt: float, fastest_kg_per_s_pa: float) -> int:
+        """Return into how many equal parts a step of ``dt`` [s] is cut for accuracy.
+
+        ``fastest_kg_per_s_pa`` is the largest choked coefficient of the orifices in play.
+        """
+        capacity = (volume_m3 + self.dead_volume_m3) / self._rt
+        return min(max(math.ceil(dt * fastest_kg_per_s_pa / (capacity * LARGEST_PART)), 1), MOST_PARTS)
+
     def _stiff_volume_m3(self, volume_m3: float) -> float:
         """Return the volume that would be left at no pressure at all: V(p) is this and C p."""
-        return volume_m3 + self.dead_volume_m3 - self.compliance_m3_per_pa * self.ambient_pa_abs
+        return volume_m3 + self.dead_volume_m3 - self._bulged
 
     def _solve(self, mass: float, volume_m3: float, inlet_open: bool, outlet_open: bool, dt: float) -> float:
-        """Return the pressure [Pa abs] at a step's end: Newton, falling back on bisection of the bracket."""
-        supply, ambient = self.supply_pa_abs, self.ambient_pa_abs
-        capacity, growth = self._stiff_volume_m3(volume_m3) / self._rt, self.compliance_m3_per_pa / self._rt
+        """Return the pressure [Pa abs] at a step's end."""
         p = low = high = self.pressure_pa_abs(mass, volume_m3)
+        links: list[tuple[Link, float]] = []
         if inlet_open:
-            low, high = min(low, supply), max(high, supply)
+            links.append((self.inlet, self.supply_pa_abs))
+            low, high = min(low, self.supply_pa_abs), max(high, self.supply_pa_abs)
         if outlet_open:
-            low, high = min(low, ambient), max(high, ambient)
-        for _ in range(_MAX_ITERATIONS):
-            residual, slope = (capacity + growth * p) * p - mass, capacity + 2.0 * growth * p
-            if inlet_open:
-                flow, flow_slope = self.inlet.inflow_and_slope(supply, p)
-                residual -= dt * flow
-                slope -= dt * flow_slope
-            if outlet_open:
-                flow, flow_slope = self.outlet.inflow_and_slope(ambient, p)
-                residual -= dt * flow
-                slope -= dt * flow_slope
-            if residual > 0.0:
-                high = p
-            elif residual < 0.0:
-                low = p
-            else:
-                return p
-            newton = p - residual / slope
-            if abs(newton - p) <= _TOLERANCE * p:
-                return min(max(newton, low), high)
-            p = newton if low < newton < high else 0.5 * (low + high)
-        return p
+            links.append((self.outlet, self.ambient_pa_abs))
+            low, high = min(low, self.ambient_pa_abs), max(high, self.ambient_pa_abs)
+        capacity, growth = self._stiff_volume_m3(volume_m3) / self._rt, self.compliance_m3_per_pa / self._rt
+        return solve_pressure(mass, capacity, growth, links, dt, (p, low, high))

@@ -57,6 +57,11 @@ class PressureSensor:
         """Pressure that one count of the converter stands for [Pa]."""
         return 1e3 / (0.004 * (1 << self.converter_bits))
 
+    @property
+    def noise_pa(self) -> float:
+        """Standard deviation of the noise in terms of pressure [Pa]."""
+        return self.noise_v / (self.supply_v * 0.004e-3)
+
     def voltage_v(self, pressure_pa_abs: float) -> float:
         """Return the output [V] without noise at an absolute pressure [Pa], saturated outside the range."""
         seen = min(max(pressure_pa_abs + self.offset_pa, self.low_pa_abs), self.high_pa_abs)

@@ -60,6 +60,28 @@ def test_release_vents_to_ambient():
     assert drive(controller, [40e3, 36e3, 3e3, 100.0, 0.0, 400.0], [0.0] * 6) == [VENT] * 4 + [SHUT] * 2
 
 
+def test_a_pulse_lasts_its_shortest_time():
+    controller = OnOffController(dead_band_pa=500.0, lookahead=False, minimum_pulse_ticks=3)
+    gauges = [29e3, 31e3, 31e3, 31e3, 30e3, 30e3]
+    assert drive(controller, gauges, [30e3] * 6) == [FILL, FILL, FILL, VENT, VENT, VENT]
+    gauges = [10e3, 12e3, 14e3, 16e3, 18e3, 30e3]
+    assert drive(controller, gauges, [30e3] * 6) == [FILL] * 5 + [SHUT]
+
+
+def test_lookahead_reckons_with_the_whole_shortest_pulse():
+    controller = OnOffController(dead_band_pa=500.0, minimum_pulse_ticks=3)
+    # 4 kPa a tick, so a new pulse would bring 12: no pulse from 19 kPa, one from 17
+    gauges = [4e3, 8e3, 12e3, 16e3, 20e3, 24e3, 28e3, 19e3, 17e3]
+    assert drive(controller, gauges, [30e3] * 9) == [FILL] * 6 + [SHUT, SHUT, FILL]
+
+
+def test_dead_time_is_looked_ahead_too():
+    """4 kPa a tick and half a tick of flow after the command: shut 6 kPa early, and no pulse that would pass."""
+    controller = OnOffController(dead_band_pa=500.0, dead_time_ticks=0.5)
+    gauges = [10e3, 12e3, 16e3, 20e3, 24e3, 26e3, 26e3, 25.9e3, 27.8e3, 29.8e3]
+    assert drive(controller, gauges, [30e3] * 10) == [FILL] * 4 + [SHUT] * 3 + [FILL, SHUT, SHUT]
+
+
 @pytest.mark.parametrize("lookahead", [True, False])
 def test_never_both_open(lookahead):
     rng = np.random.default_rng(0)
@@ -85,5 +107,7 @@ def test_elements_and_fingers_agree():
 def test_bad_parameters_are_named():
     with pytest.raises(ValueError, match="dead_band_pa"):
         OnOffController(dead_band_pa=-1.0)
+    with pytest.raises(ValueError, match="minimum_pulse_ticks"):
+        OnOffController(minimum_pulse_ticks=0)
     with pytest.raises(ValueError, match="ambient_pa_abs"):
         OnOffController(ambient_pa_abs=float("nan"))

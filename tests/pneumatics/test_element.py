@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 from softhand_sim.air import AMBIENT_PA_ABS
 from softhand_sim.pneumatics.chamber import Chamber
 from softhand_sim.pneumatics.element import Element, tube_volume_m3
-from softhand_sim.pneumatics.valve import Valve
+from softhand_sim.pneumatics.orifice import Orifice
 
 V0, AREA = 2.5e-6, 6.4e-5
 RT = Chamber().rt_j_per_kg
@@ -65,7 +65,7 @@ def test_choked_vent_converges_to_the_exponential_at_first_order():
 @pytest.mark.parametrize("opening", [1e-10, 3e-10])
 def test_follows_a_stiff_reference(dt, tolerance, fingers, opening):
     """Fill, hold, vent, hold, while the fingers' volume breathes."""
-    valve = Valve(sonic_conductance_m3_per_s_pa=opening)
+    valve = Orifice(sonic_conductance_m3_per_s_pa=opening)
     element = Element(inlet=valve, outlet=valve, dead_volume_m3=tube_volume_m3(fingers))
     phases = [(0.8, (True, False)), (0.9, (False, False)), (1.7, (False, True)), (1.8, (False, False))]
 
@@ -144,7 +144,7 @@ def test_tiny_chamber_reaches_its_equilibrium_in_one_long_step():
     """Stiff limit: 20 ms are a thousand time constants and more, from any start, for any valve and supply."""
     rng = np.random.default_rng(4)
     for _ in range(300):
-        valve = Valve(critical_pressure_ratio=float(rng.uniform(0.0, 0.6)))
+        valve = Orifice(critical_pressure_ratio=float(rng.uniform(0.0, 0.6)))
         supply, pressure = float(rng.uniform(1.5e5, 9e5)), float(rng.uniform(5e4, 1e6))
         element = Element(inlet=valve, outlet=valve, dead_volume_m3=0.0, supply_pa_abs=supply)
         volume = 1e-12

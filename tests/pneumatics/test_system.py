@@ -155,7 +155,6 @@ def test_saved_state_goes_on_bit_for_bit():
 
 
 def test_fresh_state_round_trips():
-    """Before the first tick the controller has no reading (NaN); the flat form keeps it."""
     system = PneumaticSystem()
     flat = start(system).to_array()
     assert system.restore(flat).to_array().tobytes() == flat.tobytes()
@@ -201,6 +200,50 @@ def test_own_controller_fills_the_protocol():
     assert state.controller == (250.0,)
     assert system.restore(state.to_array()) == state
     assert min(state.pressure_pa_abs) > 0.99 * 250e3
+
+
+@pytest.mark.parametrize(
+    ("command", "memory", "named"),
+    [
+        ((math.nan, False), (0.0,), "inlet_open of thumb = nan"),
+        ((False, 1.0), (0.0,), "outlet_open of thumb"),
+        ((False, None), (0.0,), "outlet_open of thumb"),
+        ((True, False), (math.nan,), "memory"),
+        ((True, False), (0.0, 0.0), "memory"),
+    ],
+)
+def test_answers_that_no_controller_may_give_are_named(command, memory, named):
+    class Broken:
+        def reset(self):
+            return (0.0,)
+
+        def command(self, _readings, _sets, _state):
+            return (ValveCommand(*command),) * 3, memory
+
+    system = PneumaticSystem(controller=Broken())
+    with pytest.raises(ValueError, match=f"Broken: {named}"):
+        system.step(start(system), [V0] * 5, [0.0] * 3, 2e-3)
+
+
+def test_numpy_booleans_are_positions():
+    class Vector:
+        def reset(self):
+            return ()
+
+        def command(self, readings, sets, state):
+            open_ = np.array(readings) < 101_325.0 + np.array(sets)
+            return tuple(ValveCommand(x, np.False_) for x in open_), state
+
+    system = PneumaticSystem(controller=Vector())
+    assert min(system.finger_pressures_pa_gauge(run(system, start(system), [30e3] * 3, 2.0)[-1])) > 29e3
+
+
+def test_sensor_that_ends_below_the_set_pressure_is_named():
+    system = PneumaticSystem(sensor=PressureSensor(high_pa_abs=150e3))
+    with pytest.raises(ValueError, match=r"set_pa_gauge of thumb = 50000\.0.*sensor's range"):
+        system.step(start(system), [V0] * 5, [50e3] * 3, 2e-3)
+    with pytest.raises(ValueError, match="high_pa_abs"):
+        PneumaticSystem(sensor=PressureSensor(high_pa_abs=100e3))
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""ISO 6358 mass flow through an ON-OFF valve: choked, unchoked, and in either direction."""
+"""ISO 6358 mass flow through an orifice (an open valve, a leak): choked, unchoked, and in either direction."""
 
 import math
 from dataclasses import dataclass, field
@@ -8,8 +8,8 @@ from softhand_sim.checks import require_finite, require_in
 
 
 @dataclass(frozen=True, kw_only=True)
-class Valve:
-    """A two-position valve: shut, or an orifice after ISO 6358.
+class Orifice:
+    """An orifice after ISO 6358: a valve that is open, or a leak.
 
     With upstream pressure ``p1``, downstream ``p2``, ratio ``r = p2 / p1`` (absolute pressures), the mass
     flow is
@@ -62,7 +62,7 @@ class Valve:
         object.__setattr__(self, "laminar_coefficient_kg_per_s_pa", at_laminar / (1.0 - r_lam))
 
     def mass_flow_kg_per_s(self, from_pa_abs: float, to_pa_abs: float) -> float:
-        """Return the flow [kg/s] of the open valve from one side to the other; negative when it runs back."""
+        """Return the flow [kg/s] from one side to the other; negative when it runs back."""
         return self.inflow_and_slope(from_pa_abs, to_pa_abs)[0]
 
     def inflow_and_slope(self, reservoir_pa_abs: float, chamber_pa_abs: float) -> tuple[float, float]:

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from softhand_sim.air import REFERENCE_DENSITY_KG_PER_M3
-from softhand_sim.pneumatics.valve import Valve
+from softhand_sim.pneumatics.orifice import Orifice
 
-VALVE = Valve(sonic_conductance_m3_per_s_pa=2e-10, critical_pressure_ratio=0.35)
+VALVE = Orifice(sonic_conductance_m3_per_s_pa=2e-10, critical_pressure_ratio=0.35)
 CHOKED = 2e-10 * REFERENCE_DENSITY_KG_PER_M3
 
 
@@ -49,8 +49,8 @@ def test_flow_is_antisymmetric():
 
 
 def test_flow_depends_on_the_root_of_the_temperature():
-    hot = Valve(temperature_k=4.0 * 293.15)
-    assert hot.mass_flow_kg_per_s(3e5, 1e4) == pytest.approx(0.5 * Valve().mass_flow_kg_per_s(3e5, 1e4), rel=1e-14)
+    hot = Orifice(temperature_k=4.0 * 293.15)
+    assert hot.mass_flow_kg_per_s(3e5, 1e4) == pytest.approx(0.5 * Orifice().mass_flow_kg_per_s(3e5, 1e4), rel=1e-14)
 
 
 def test_slope_is_the_derivative_and_never_positive():
@@ -77,4 +77,4 @@ def test_slope_is_the_derivative_and_never_positive():
 )
 def test_bad_parameters_are_named(field, value):
     with pytest.raises(ValueError, match=field):
-        Valve(**{field: value})
+        Orifice(**{field: value})
