@@ -1,15 +1,12 @@
 """Gravity on the fingers."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from softhand_sim.effects.kind import ActsOn, Estimate
+from softhand_sim.effects.kind import ActsOn, Closing, Estimate
 from softhand_sim.elements import FINGERS
-
-if TYPE_CHECKING:
-    from softhand_sim.effects.scene import SceneFacts
 
 ACTS_ON = ActsOn.MODEL
 
@@ -27,7 +24,7 @@ def without_gravity(root: Any) -> None:
                 body.gravcomp = 1.0
 
 
-def question(scene: "SceneFacts") -> Estimate:
+def question(scene: Closing) -> Estimate:
     """Bound what the weight bends: each joint's softest state up to the set pressure, the rest of the finger level.
 
     A joint's compliance is that of the calibration's curve, ``d(theta)/dp`` over the moment ``A r`` of a pascal.

@@ -4,17 +4,14 @@ import copy
 import math
 from dataclasses import dataclass
 from itertools import combinations
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import mujoco
 import numpy as np
 
 from softhand_sim.calibration import JOINTS
-from softhand_sim.effects.kind import ActsOn, Estimate
+from softhand_sim.effects.kind import ActsOn, Closing, Estimate
 from softhand_sim.elements import ELEMENT_OF_FINGER, FINGERS
-
-if TYPE_CHECKING:
-    from softhand_sim.effects.scene import SceneFacts
 
 ACTS_ON = ActsOn.MODEL
 CLEARANCE_M = 0.005
@@ -40,7 +37,7 @@ def without_interference(root: Any) -> None:
                 geom.conaffinity = 1 | own
 
 
-def question(scene: "SceneFacts") -> Estimate:
+def question(scene: Closing) -> Estimate:
     """Ask whether the volumes that the fingers sweep on the way to their set pressures come near one another.
 
     Any two fingers may stop at any two angles on the way, wherever the object holds them up.
@@ -52,7 +49,7 @@ def question(scene: "SceneFacts") -> Estimate:
     return Estimate(own_deg=0.0, redraws=False, reason="no two fingers come near each other")
 
 
-def _meet(scene: "SceneFacts", one: str, other: str) -> bool:
+def _meet(scene: Closing, one: str, other: str) -> bool:
     model = copy.copy(scene.hand)
     model.geom_margin[:] = 0.5 * CLEARANCE_M  # the engine adds up the two shapes' margins
     data = mujoco.MjData(model)

@@ -2,6 +2,14 @@
 
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Protocol
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from softhand_sim.calibration import FingerCalibration
+from softhand_sim.relaxation import MaxwellBranch
 
 
 class ActsOn(StrEnum):
@@ -36,3 +44,34 @@ class Estimate:
     own_deg: float
     redraws: bool
     reason: str
+
+
+class Closing(Protocol):
+    """What an effect may ask of a scene: the finger, the hand alone with all its contacts, and the set pressures.
+
+    ``set_pa_gauge`` has one pressure an element [Pa gauge], (3,); ``relaxation`` is what the walls would have.
+    """
+
+    @property
+    def calibration(self) -> FingerCalibration:
+        """The finger."""
+        ...
+
+    @property
+    def hand(self) -> mujoco.MjModel:
+        """The hand alone, compiled."""
+        ...
+
+    @property
+    def set_pa_gauge(self) -> npt.NDArray[np.float64]:
+        """Set pressures of the closing."""
+        ...
+
+    @property
+    def relaxation(self) -> tuple[MaxwellBranch, ...]:
+        """Branches of the walls' relaxation."""
+        ...
+
+    def angle_change_deg(self, pressure_pa: float) -> float:
+        """Return how far a free tip falls short when pressures do."""
+        ...

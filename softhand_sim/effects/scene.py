@@ -15,6 +15,7 @@ from softhand_sim.grasp.protocol_file import load_protocol
 from softhand_sim.grasp.scripted import plan_grasp
 from softhand_sim.hand.scene import build_root, compile_scene
 from softhand_sim.objects.model import ObjectModel
+from softhand_sim.relaxation import MaxwellBranch
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,6 +95,11 @@ class SceneFacts:
     def rehearse(self, effects: Effects) -> Rehearsal | None:
         """Return the closing in free air with some effects."""
         return rehearse(effects, self.calibration, self.set_pa_gauge, self.end_s)
+
+    @property
+    def relaxation(self) -> tuple[MaxwellBranch, ...]:
+        """Branches of the walls' relaxation that are offered."""
+        return self.offered.relaxation or ()
 
     def angle_change_deg(self, pressure_pa: float) -> float:
         """Return how far a free tip falls short [deg] when pressures fall short of the set ones by so much [Pa]."""

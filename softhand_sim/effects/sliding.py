@@ -2,12 +2,8 @@
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-from softhand_sim.effects.kind import ActsOn, Estimate
-
-if TYPE_CHECKING:
-    from softhand_sim.effects.scene import SceneFacts
+from softhand_sim.effects.kind import ActsOn, Closing, Estimate
 
 ACTS_ON = ActsOn.TORQUE
 
@@ -17,7 +13,7 @@ class SlidingHysteresis:
     """Friction with the coefficient of the calibration (`SlidingFriction`); it has no parameters of its own."""
 
 
-def question(scene: "SceneFacts") -> Estimate:
+def question(scene: Closing) -> Estimate:
     """Bound what friction holds back: its largest share of the thrust, taken as pressure that is missing."""
     calibration, set_pa = scene.calibration, float(scene.set_pa_gauge.max())
     bend = math.radians(calibration.angle_for_pressure(set_pa))
