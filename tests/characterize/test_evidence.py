@@ -33,7 +33,7 @@ def test_calibration_and_evidence_agree_where_both_have_been(calibration):
     rows = {key: k for k, key in enumerate(zip(cycle.branch, cycle.pressure_pa_gauge.tolist(), strict=True))}
     shared = [rows[key] for key in zip(own.branch, own.pressure_pa_gauge.tolist(), strict=True)]
     assert own.joint_angle_rad == pytest.approx(cycle.joint_angle_rad[shared], abs=4e-3)
-    assert own.chamber_volume_m3 == pytest.approx(cycle.chamber_volume_m3[shared], rel=1e-3)
+    assert own.chamber_volume_m3 == pytest.approx(cycle.chamber_volume_m3[shared], rel=6e-3)
 
 
 @pytest.mark.parametrize(
