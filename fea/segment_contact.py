@@ -18,15 +18,12 @@ import numpy as np
 from fea.arrays import F64, I64
 from fea.blocks import upper_sum
 from fea.contact_interface import ContactState
-from fea.gap_law import GapLaw
+from fea.gap_law import GapLaw, Unilateral
 from fea.lattice import SolidMesh
 from fea.overlap import Points, overlap
 from fea.projection import Projection, nearest, neighbours
 from fea.tangential import TangentialPairs
 from fea.triangle import bends, shapes, slopes
-
-_AT_REST_PA = 1.0
-"""Choice: what rounding may leave of the pressure at rest."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -260,16 +257,15 @@ def segment_contact(mesh: SolidMesh, first: I64, second: I64, options: SegmentOp
     Raises
     ------
     ValueError
-        If the surfaces share a node, or push or pull one another at rest.
+        If the surfaces share a node, or a unilateral law pushes at rest.
     """
     if np.intersect1d(first, second).size:
         raise ValueError("first, second: surfaces in contact must not share nodes")
     rest = np.zeros_like(mesh.points_m)
     contact = _cut(mesh.points_m, rest, first, second, options, neighbours(second))
-    at_rest = float(np.abs(contact.contact_pressure_pa(rest)).max())
-    if at_rest > _AT_REST_PA:
-        text = f"the surfaces push with {at_rest:.3g} Pa at rest; their gap must be wider"
-        raise ValueError(f"law = {options.law}: {text}")
+    law, smallest = options.law, float(contact.gaps_m(rest).min(initial=np.inf))
+    if isinstance(law, Unilateral) and law.distance_m >= smallest:
+        raise ValueError(f"distance_m = {law.distance_m:g} must be below the smallest gap at rest, {smallest:g}")
     return contact
 
 

@@ -134,7 +134,7 @@ def test_a_body_that_sticks_does_not_creep(pair):
 @pytest.mark.parametrize(("contact", "exact"), [("segments", 2e-3), ("barrier", 1e-5)])
 def test_the_way_to_and_fro_costs_work_only_with_friction(contact, exact):
     """Segments are cut anew each step, so their energy is the same on the way back to the error of their integral."""
-    rough, smooth = sliding_loop(0.3, contact=contact, steps=6), sliding_loop(0.0, contact=contact, steps=6)
+    rough, smooth = sliding_loop(0.3, contact=contact), sliding_loop(0.0, contact=contact, steps=6)
     there, back = rough.sliding
     assert there == pytest.approx(0.3, rel=0.02)
     assert back == pytest.approx(-0.3, rel=0.02)

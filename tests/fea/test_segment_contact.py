@@ -111,7 +111,7 @@ def test_bad_settings_and_shared_nodes_are_refused():
     with pytest.raises(ValueError, match="share"):
         segment_contact(pair.model.mesh, face, face, OPTIONS)
     wide = replace(LAWS["unilateral"], distance_m=2.0 * GAP)
-    with pytest.raises(ValueError, match="at rest; their gap must be wider"):
+    with pytest.raises(ValueError, match="must be below the smallest gap at rest"):
         make_pair(replace(OPTIONS, law=wide))
     with pytest.raises(ValueError, match=r"reach_m = -1\.0"):
         replace(OPTIONS, reach_m=-1.0)

@@ -155,7 +155,7 @@ def test_contact_refused_in_the_run_s_process_is_a_result():
     geometry = replace(FingerGeometry(), ring_count=2, clearance_m=0.08e-3)
     run = execute(Case(geometry=geometry, pressures_pa_gauge=(1e3,), formulation="P1"))
     assert run["status"] == "invalid"
-    assert "at rest; their gap must be wider" in run["message"]
+    assert "must be below the smallest gap at rest" in run["message"]
 
 
 @pytest.mark.parametrize(
