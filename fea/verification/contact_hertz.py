@@ -5,7 +5,7 @@ with contact radius a, depth d, largest pressure p0 (Johnson, Contact Mechanics,
 8 a stands for the half-space: far faces get the displacement of a point force F (Boussinesq; Johnson, ch. 3), which
 the sphere's field approaches like (a / r)^2. d is how far the surface's centre sinks, so that the barrier's gap, which
 is no part of Hertz's problem, does not count; the gap changes by little over the contact because the activation
-distance is 4 % of d. Strains are of the order a / R = 1/50, which linear elasticity needs.
+distance is 2 % of d. Strains are of the order a / R = 1/50, which linear elasticity needs.
 """
 
 from dataclasses import dataclass
@@ -62,7 +62,7 @@ def boussinesq(x_m: F64, force_n: float) -> F64:
 
 def indent(*, kind: str = "segments", cells: int = 4) -> Indentation:
     """Lower the sphere until Hertz's depth, with ``cells`` elements over the contact radius."""
-    activation = 0.04 * DEPTH_M
+    activation = 0.02 * DEPTH_M
     block, cap = _half_space(cells), _sphere(cells, activation)
     mesh = union(block, cap)
     x, z = mesh.points_m, mesh.points_m[:, 2]
