@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from softhand_sim.elements import FINGERS
+from softhand_sim.grasp.contacts import ContactMap
 from softhand_sim.grasp.record import Recorder
 from softhand_sim.hand.scene import EngineSettings, build_scene
 from softhand_sim.simulation import HandSimulation, default_pneumatics
@@ -113,8 +114,9 @@ def test_limited_step_never_passes_its_limits_nor_the_target():
     assert np.array_equal(limited_step(target, target, 2e-4, 1e-3), target)
 
 
-def test_recorded_creep_is_that_of_the_second_half():
-    recorder = Recorder(object_body=0, object_geoms=np.zeros(1, dtype=bool), rest_height_m=0.0)
+def test_recorded_creep_is_that_of_the_second_half(calibration):
+    contacts = ContactMap.of(build_scene(calibration).model)
+    recorder = Recorder(object_body=0, object_geoms=np.zeros(1, dtype=bool), rest_height_m=0.0, contacts=contacts)
     for time in np.arange(0.0, 3.0, 0.02):
         settling = 1e-3 * np.exp(-time / 0.05)
         recorder.hold_time_s.append(float(time))
