@@ -50,8 +50,8 @@ of the contact patch say how uniform. Its pairs are counted once (`ContactOption
 block whose facets match the ground's, shifted by 0.03 mm under a barrier of 0.1 mm, is pushed sideways with up to 38 %
 of the normal force without any friction, counted once with 2 %.
 
-Hertz's theory leaves out terms of the order of contact radius over sphere radius, 1 : 50 here: the contact radius is 1 %
-off on any mesh, and half of that with a sphere four times as large.
+Hertz's theory leaves out terms of the order of contact radius over sphere radius, 1 : 50 here: the contact radius is
+1 % off on any mesh, and half of that with a sphere four times as large.
 """
 
 
