@@ -1,12 +1,14 @@
 """What a benchmark runs, and its division into shards."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from softhand_sim.calibration import load_calibration
 from softhand_sim.grasp.protocol import GraspProtocol
 from softhand_sim.grasp.protocol_file import load_protocol
-from softhand_sim.grasp.trial import TrialSetup, prepare
+from softhand_sim.grasp.result import TrialResult
+from softhand_sim.grasp.trial import TrialSetup, prepare, run_trial
 from softhand_sim.hand.scene import EngineSettings
 from softhand_sim.objects.model import ObjectModel
 
@@ -70,3 +72,12 @@ class BenchmarkPlan:
 def prepare_for(plan: BenchmarkPlan, model: ObjectModel) -> TrialSetup:
     """Return what the trials of one object of the plan share."""
     return prepare(model, load_calibration(plan.calibration), protocol=plan.protocol, engine=plan.engine)
+
+
+def run_shard(plan: BenchmarkPlan, shard: Shard, last: TrialSetup | None) -> tuple[TrialSetup, Iterator[TrialResult]]:
+    """Return what the trials of a shard share, and their results as they are asked for.
+
+    `last` is that of the shard before: it serves again if the object is the same (names are unique within a plan).
+    """
+    setup = last if last is not None and last.model.name == shard.model.name else prepare_for(plan, shard.model)
+    return setup, (run_trial(setup, seed) for seed in shard.seeds)

@@ -2,12 +2,12 @@
 
 from collections.abc import Iterator, Sequence
 
-from softhand_sim.benchmark.plan import BenchmarkPlan, Shard, prepare_for
+from softhand_sim.benchmark.plan import BenchmarkPlan, Shard, run_shard
 from softhand_sim.benchmark.store import TrialStore
 from softhand_sim.benchmark.workers import run_shards
 from softhand_sim.calibration import load_calibration
 from softhand_sim.grasp.result import TrialResult
-from softhand_sim.grasp.trial import run_trial
+from softhand_sim.grasp.trial import TrialSetup
 
 
 def run_benchmark(plan: BenchmarkPlan, workers: int = 1, store: TrialStore | None = None) -> Iterator[TrialResult]:
@@ -35,10 +35,10 @@ def _results(plan: BenchmarkPlan, workers: int, store: TrialStore | None) -> Ite
 
 
 def _in_this_process(plan: BenchmarkPlan, shards: Sequence[Shard]) -> Iterator[TrialResult]:
+    setup: TrialSetup | None = None
     for shard in shards:
-        setup = prepare_for(plan, shard.model)
-        for seed in shard.seeds:
-            yield run_trial(setup, seed)
+        setup, results = run_shard(plan, shard, setup)
+        yield from results
 
 
 def in_order(plan: BenchmarkPlan, results: Sequence[TrialResult]) -> list[TrialResult]:
