@@ -223,14 +223,13 @@ def _all_processes_s() -> float:
 
 
 def _table(costs: Sequence[Cost]) -> str:
-    lines = [
-        f"{'object':<18}{'set-up ms':>11}{'trial ms':>10}{'record ms':>11}{'engine ms':>11}{'engine us/step':>16}{'share':>8}"
-    ]
+    heads = ("set-up ms", "trial ms", "record ms", "engine ms", "engine us/step", "share")
+    lines = [f"{'object':<18}" + "".join(f"{head:>{len(head) + 2}}" for head in heads)]
     for cost in costs:
         each = 1e3 / cost.trials
         lines.append(
             f"{cost.object:<18}{1e3 * cost.setup_s:>11.0f}{each * cost.trial_s:>10.0f}{each * cost.record_s:>11.2f}"
-            f"{each * cost.engine_s:>11.0f}{1e6 * cost.engine_s / cost.steps:>16.0f}{cost.engine_share:>8.3f}"
+            f"{each * cost.engine_s:>11.0f}{1e6 * cost.engine_s / cost.steps:>16.0f}{cost.engine_share:>7.3f}"
         )
     return "\n".join(lines)
 
