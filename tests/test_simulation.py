@@ -116,7 +116,7 @@ def test_limited_step_never_passes_its_limits_nor_the_target():
 
 def test_recorded_creep_is_that_of_the_second_half(calibration):
     contacts = ContactMap.of(build_scene(calibration).model)
-    recorder = Recorder(object_body=0, object_geoms=np.zeros(1, dtype=bool), rest_height_m=0.0, contacts=contacts)
+    recorder = Recorder(object_body=0, rest_height_m=0.0, contacts=contacts)
     for time in np.arange(0.0, 3.0, 0.02):
         settling = 1e-3 * np.exp(-time / 0.05)
         recorder.hold_time_s.append(float(time))
