@@ -1,5 +1,6 @@
 """The hand in time: engine, pneumatics and wrist stepped together."""
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
@@ -65,6 +66,7 @@ class HandSimulation:
         )
         parts = HandParts(index=self.index, calibration=self.calibration, pneumatics=self.pneumatics, losses=losses)
         self._actuation = prepare_actuation(parts, engine)
+        self._idle = self.pneumatics is None and losses.sliding is None and losses.relaxation is None
 
     def reset(self, rng: np.random.Generator, wrist_pose: Vector) -> None:
         """Start anew with empty fingers and the wrist standing at `wrist_pose`, shape (6,)."""
@@ -77,16 +79,44 @@ class HandSimulation:
         self.set_pressure_pa_gauge = np.zeros(3)
         self.range_watch = RangeWatch(limits=CalibratedRange.of(self.calibration))
         self._next_look_s = 0.0
+        self._written: Vector | None = None
         self._actuation.reset(0, rng)
+
+    def advance(self, steps: int) -> None:
+        """Advance by some time steps, as that many calls of `step` to the bit.
+
+        Where nothing changes between the engine's own steps (neither gas nor losses, the wrist at its target), it takes
+        them at one go.
+        """
+        while steps > 0:
+            if not self._idle or self._played is not None or not self.wrist_arrived:
+                self.step()
+                steps -= 1
+                continue
+            self._write_wrist()
+            self._actuation.step(self.dt)
+            until_look = max(1, math.ceil((self._next_look_s - self.data.time) / self.dt - 1e-6))
+            taken = min(steps, until_look)
+            mujoco.mj_step(self.model, self.data, nstep=taken)
+            self._look()
+            steps -= taken
 
     def step(self) -> None:
         """Advance by one time step of the engine."""
         self.move_wrist()
-        self.data.ctrl[self.index.wrist_ctrl] = self.wrist_reference
+        self._write_wrist()
         if self._played is not None:
             self._actuation.play(np.array([next(self._played)]))
         self._actuation.step(self.dt)
         mujoco.mj_step(self.model, self.data)
+        self._look()
+
+    def _write_wrist(self) -> None:
+        # the engine keeps what was written; a reference that moves is a new array
+        if self._written is not self.wrist_reference:
+            self.data.ctrl[self.index.wrist_ctrl] = self._written = self.wrist_reference
+
+    def _look(self) -> None:
         if self.data.time >= self._next_look_s:
             joints = self.data.qpos[self.index.joint_qpos]
             self.range_watch.look(self._actuation.set_pa_gauge[0], self._actuation.pressure_pa_gauge[0], joints)
