@@ -2,7 +2,12 @@
 
 import gymnasium
 
-# 200 steps of 50 ms: the scripted grasp needs about 8 s
-gymnasium.register(id="SoftHandGrasp-v0", entry_point="envs.grasp:SoftHandGraspEnv", max_episode_steps=200)
+from envs.grasp import SoftHandGraspEnv
 
 GRASP_ENV_ID = "SoftHandGrasp-v0"
+"""Reach, close, lift, hold."""
+
+# 250 steps of 40 ms: the scripted grasp needs about 8 s
+gymnasium.register(id=GRASP_ENV_ID, entry_point="envs.grasp:SoftHandGraspEnv", max_episode_steps=250)
+
+__all__ = ["GRASP_ENV_ID", "SoftHandGraspEnv"]
