@@ -153,10 +153,10 @@ class _Single:
         mujoco.mj_copyData(hands.data, hands.model, self._start)
         hands.gas, hands.loss_state, hands.wrist_reference = self._kept
 
-    def pressures(self) -> tuple[float, ...]:
-        return tuple(self.hands.data.ctrl[self.hands.index.pressure_ctrl].tolist())
+    def pressures(self) -> Vector:
+        return np.asarray(self.hands.data.ctrl[self.hands.index.pressure_ctrl])
 
-    def play(self, pressures: Sequence[tuple[float, ...]] | None) -> None:
+    def play(self, pressures: Sequence[Vector] | None) -> None:
         self.hands.play_pressures(None if pressures is None else iter(pressures))
 
     def qpos(self) -> Vector:
@@ -197,13 +197,13 @@ class _Many:
         self.hands.forward(self._ids)
 
     def pressures(self) -> Vector:
-        return self.hands.engine.bind("ctrl")[:, self.hands.index.pressure_ctrl]
+        return np.asarray(self.hands.engine.bind("ctrl")[:, self.hands.index.pressure_ctrl])
 
     def play(self, pressures: Sequence[Vector] | None) -> None:
         self.hands.play_pressures(None if pressures is None else iter(pressures))
 
     def qpos(self) -> Vector:
-        return self.hands.engine.bind("qpos")
+        return np.asarray(self.hands.engine.bind("qpos"))
 
 
 if __name__ == "__main__":

@@ -43,7 +43,7 @@ class HandSimulation:
     wrist_target: x, y, z (m), yaw, pitch, roll (rad), shape (6,); approached at the wrist's limited speed.
     set_pressure_pa_gauge: wanted pressure per element (Pa), shape (3,).
     range_watch: what went beyond the calibrated range since the reset; never silently extrapolated.
-    losses: friction and relaxation of the fingers; by default the calibration's friction alone.
+    losses: friction, relaxation and relief of the fingers; by default the calibration's friction alone.
 
     Without `pneumatics` (None) the fingers have the wanted pressure at once, and there is no gas.
     """
@@ -59,14 +59,14 @@ class HandSimulation:
         self.data = mujoco.MjData(self.model)
         self.dt = float(self.model.opt.timestep)
         self.losses = losses = Losses.of(self.calibration) if self.losses is None else self.losses
-        self._played: Iterator[tuple[float, ...]] | None = None
+        self._played: Iterator[Vector] | None = None
         # views of the engine's memory, which never moves
         engine = EngineArrays(
             ten_length=self.data.ten_length[None], qpos=self.data.qpos[None], ctrl=self.data.ctrl[None]
         )
         parts = HandParts(index=self.index, calibration=self.calibration, pneumatics=self.pneumatics, losses=losses)
         self._actuation = prepare_actuation(parts, engine)
-        self._idle = self.pneumatics is None and losses.sliding is None and losses.relaxation is None
+        self._idle = self.pneumatics is None and not losses.any
 
     def reset(self, rng: np.random.Generator, wrist_pose: Vector) -> None:
         """Start anew with empty fingers and the wrist standing at `wrist_pose`, shape (6,)."""
@@ -142,7 +142,7 @@ class HandSimulation:
 
     @property
     def loss_state(self) -> LossState:
-        """State of friction and relaxation; assign one to go back to it, bit for bit."""
+        """State of friction, relaxation and relief; assign one to go back to it, bit for bit."""
         return self._actuation.losses(0)
 
     @loss_state.setter
@@ -160,8 +160,8 @@ class HandSimulation:
             self.anatomy.wrist_rate_rad_per_s * self.dt,
         )
 
-    def play_pressures(self, recorded: Iterator[tuple[float, ...]] | None) -> None:
-        """Give the fingers recorded pressures (Pa), (5,) a step, while the gas stands still; None ends that."""
+    def play_pressures(self, recorded: Iterator[Vector] | None) -> None:
+        """Give the fingers recorded pressures (Pa), shape (5,) a step, while the gas stands still; None ends that."""
         self._played = recorded
         if recorded is None:
             self._actuation.stop_playing()
@@ -183,8 +183,11 @@ class HandSimulation:
         return self.index.elongations_m(self.data.ten_length)
 
     def chamber_volumes_m3(self) -> Vector:
-        """Volume of each finger's chamber without bulging, shape (5,): V(delta) at the tendon's present length."""
-        return np.array(self.calibration.chamber.volumes_m3(self.elongations_m()))
+        """Volume of each finger's chamber without bulging, shape (5,): V(delta) at the tendon's present length.
+
+        Where a relief lets actuators out, delta is longer by that.
+        """
+        return np.array(self.calibration.chamber.volumes_m3(self.elongations_m() + self.loss_state.bulge_m))
 
     @property
     def wrist_arrived(self) -> bool:
