@@ -73,7 +73,7 @@ def test_a_bare_hand_that_is_held_long_needs_little(calibration):
     assert change.angle_deg > 0.0
     assert gas.omission_error_deg < 12.0
     # held for less than it takes to fill, the pressures are not the set ones
-    early = SceneFacts.bare(replace(scene, close_s=0.5), calibration, FULL)
+    early = SceneFacts.bare(replace(scene, set_angle_deg=(80.0, 80.0, 80.0), close_s=0.5), calibration, FULL)
     assert "gas" in choose(early, Tolerance(angle_deg=12.0, slip_m=0.0))[0].present
 
 
