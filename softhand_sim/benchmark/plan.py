@@ -31,6 +31,7 @@ class BenchmarkPlan:
     objects: the objects, each with its own name.
     trials: per object; their seeds are ``seed .. seed + trials - 1``, the same for every object.
     calibration: finger calibration file; None for the shipped one.
+    control: calibration file that set pressures are looked up in; None for that of the fingers.
     protocol, engine: what a trial does, and the engine's settings.
     """
 
@@ -38,6 +39,7 @@ class BenchmarkPlan:
     trials: int
     seed: int = 0
     calibration: Path | None = None
+    control: Path | None = None
     protocol: GraspProtocol = field(default_factory=load_protocol)
     engine: EngineSettings = field(default_factory=EngineSettings)
 
@@ -69,4 +71,6 @@ class BenchmarkPlan:
 
 def prepare_for(plan: BenchmarkPlan, model: ObjectModel) -> TrialSetup:
     """Return what the trials of one object of the plan share."""
-    return prepare(model, load_calibration(plan.calibration), protocol=plan.protocol, engine=plan.engine)
+    control = None if plan.control is None else load_calibration(plan.control)
+    fingers = load_calibration(plan.calibration)
+    return prepare(model, fingers, protocol=plan.protocol, engine=plan.engine, control=control)

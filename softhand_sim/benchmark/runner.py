@@ -18,7 +18,8 @@ def run_benchmark(plan: BenchmarkPlan, workers: int = 1, store: TrialStore | Non
     FileNotFoundError, ValueError
         If the calibration is missing or wrong; at once, before the first trial.
     """
-    load_calibration(plan.calibration)
+    for file in {plan.calibration, plan.control}:
+        load_calibration(file)
     return _results(plan, workers, store)
 
 
