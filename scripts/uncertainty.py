@@ -107,9 +107,7 @@ def _assemble(args: Any, analyses: _solving.Analyses) -> int:
     nominal = args.calibration or asset_path("calibration", "finger.json")
     manifest = assemble(work, nominal)
     ensemble = load_ensemble(work.folder, nominal)
-    for source, member in ensemble.members():
-        if member.refused:
-            print(f"{source.name}: {member.name} has no calibration: {member.refused}")
+    _say_refused(ensemble)
     if args.json is not None:
         _cli.write_json(args.json, json.loads(manifest.read_text(encoding="utf-8")))
     print(f"{manifest}: {sum(len(s.solved) for s in ensemble.sources)} calibrations")
@@ -194,7 +192,8 @@ def _grasps(args: Any, analyses: _solving.Analyses) -> int:  # noqa: ARG001 - th
 def _say_refused(ensemble: Ensemble) -> None:
     for source, member in ensemble.members():
         if member.refused:
-            print(f"{source.name}: {member.name} has no calibration: {member.refused}")
+            then = "; its side mirrors the other one" if source.kind == TOLERANCE else ""
+            print(f"{source.name}: {member.name} has no calibration{then}: {member.refused}")
 
 
 def _pressures(text: str) -> tuple[float, ...]:

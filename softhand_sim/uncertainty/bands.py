@@ -21,7 +21,7 @@ _Values = Callable[[str], list[float | None]]
 class Band:
     """An interval of a figure that holds the nominal value; None if nothing could be measured.
 
-    ``missing`` names members that have no value there.
+    ``missing`` names scenarios that have no value there.
     """
 
     nominal: float | None
@@ -31,9 +31,12 @@ class Band:
 
 
 def tolerance_band(ensemble: Ensemble, source: Source, figures: Figures, *, spread: float = 1.0) -> dict[str, Band]:
-    """Return the range of each figure over a tolerance: everything between its two ends and the nominal finger."""
+    """Return the range of each figure over a tolerance: everything between its two ends and the nominal finger.
+
+    An end without a calibration is the other one mirrored.
+    """
     ends = [weights(ensemble, {source.name: at}) for at in (-spread, spread)]
-    return _bands(ensemble, figures, lambda name: [_at(ensemble, figures, name, end) for end in ends], source.members)
+    return _bands(ensemble, figures, lambda name: [_at(ensemble, figures, name, end) for end in ends], source.solved)
 
 
 def scenario_band(ensemble: Ensemble, source: Source, figures: Figures) -> dict[str, Band]:

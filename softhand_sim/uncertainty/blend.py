@@ -1,6 +1,7 @@
 """A finger between the members of an ensemble: every number of its calibration is interpolated.
 
-Torque laws stay monotone between members, since monotone cubics are a convex cone; beyond them, and in everything else,
+Differences from the nominal finger add up. Between two members a torque law stays monotone, since monotone cubics are a
+convex cone; where several differences, or a mirrored one, leave the cone, the nearest monotone law is taken. In all else
 the calibration's reader has the last word.
 """
 
@@ -12,8 +13,10 @@ import numpy as np
 from softhand_sim.calibration.integrity import CHECKSUM, content_sha256
 from softhand_sim.checks import require_in
 from softhand_sim.uncertainty.ensemble import TOLERANCE, Ensemble, Member, Source
+from softhand_sim.uncertainty.monotone import nearest_monotone
 
 _PARTS = ("geometry", "finger", "joints", "tendon", "chamber", "sliding")
+_TORQUE = ("stiffness_n_m_per_rad", "stiffness_n_m_per_rad2", "stiffness_n_m_per_rad3")
 FURTHEST = 2.0
 """Choice: twice the tolerance; what a finger does was solved at its ends."""
 
@@ -69,7 +72,8 @@ def blended(ensemble: Ensemble, coordinates: Mapping[str, float]) -> dict[str, A
     Raises
     ------
     ValueError
-        As :func:`weights`, or if members and nominal finger have curves at different pressures.
+        As :func:`weights`, or if members and nominal finger have curves at different pressures, or add up to a joint
+        without stiffness.
     """
     nominal = ensemble.nominal.content
     assert nominal is not None
@@ -77,6 +81,8 @@ def blended(ensemble: Ensemble, coordinates: Mapping[str, float]) -> dict[str, A
     made = {key: value for key, value in nominal.items() if key != CHECKSUM}
     for part in _PARTS:
         made[part] = _moved(nominal[part], [(content[part], share) for content, share in shares])
+    for joint in made["joints"]:
+        joint |= dict(zip(_TORQUE, nearest_monotone(*(joint[name] for name in _TORQUE)), strict=True))
     made["curve"] = _curve(nominal["curve"], [(content["curve"], share) for content, share in shares])
     made["provenance"] = {
         **nominal["provenance"],
