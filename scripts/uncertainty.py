@@ -22,6 +22,7 @@ from fea.finger_design import load_design
 from fea.solved import solve_finger
 from scripts import _cli, _solving, _uncertainty_report
 from scripts._ensemble import Job, assemble, solve_members
+from softhand_sim.checks import require_in
 from softhand_sim.grasp.protocol_file import DEFAULT, load_protocol, protocol_names
 from softhand_sim.objects.catalogue import load_catalogue, make_object
 from softhand_sim.objects.model import ObjectModel
@@ -36,6 +37,7 @@ from softhand_sim.uncertainty import (
     scenario_band,
     tolerance_band,
 )
+from softhand_sim.uncertainty.blend import FURTHEST
 from softhand_sim.uncertainty.ensemble import SCENARIOS, TOLERANCE
 from softhand_sim.uncertainty.grasps import finger_count
 
@@ -91,6 +93,7 @@ def job(argv: Sequence[str] | None = None, analyses: _solving.Analyses = solve_f
     args = parser().parse_args(argv)
     _cli.check_writable(args.json)
     _cli.check_writable(args.picture, "--picture")
+    require_in("--spread", args.spread, 0.0, FURTHEST)
     if args.picture is not None and find_spec("matplotlib") is None:
         raise ValueError("--picture: matplotlib is missing (pip install 'softhand-sim[plots]')")
     return _COMMANDS[args.command](args, analyses)

@@ -1,8 +1,8 @@
 """A finger between the members of an ensemble: every number of its calibration is interpolated.
 
-Differences from the nominal finger add up. Between two members a torque law stays monotone, since monotone cubics are a
-convex cone; where several differences, or a mirrored one, leave the cone, the nearest monotone law is taken. In all else
-the calibration's reader has the last word.
+Differences from the nominal finger add up. Between it and a member a torque law stays monotone, since monotone cubics
+are a convex cone; where several differences, or a mirrored one, leave the cone, the nearest monotone law is taken. In
+all else the calibration's reader has the last word.
 """
 
 from collections.abc import Mapping

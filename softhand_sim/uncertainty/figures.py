@@ -9,8 +9,8 @@ from softhand_sim.characterize.bench import Bench
 SENSOR_DISTANCE_M = 0.040
 """Clamped 40 mm from the force sensor: Alves et al., section 3.3."""
 STIFFNESS_ANGLE_RAD = 0.15
-"""Choice: 9 degrees, which the joints of the stiffest pair of materials reach at 80 kPa; beyond, its laws are carried on
-by their polynomials."""
+"""Choice: 9 degrees, which the joints of the stiffest pair of materials reach at 80 kPa; beyond, its laws are carried
+on by their polynomials."""
 
 
 @dataclass(frozen=True, kw_only=True)

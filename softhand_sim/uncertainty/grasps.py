@@ -108,7 +108,7 @@ def grasp_rows(ensemble: Ensemble, plan: GraspPlan, folder: Path, *, workers: in
         pressure = (calibration if plan.known_finger else nominal).closing_pressure(FIRM_ANGLE_DEG)
         highest = float(calibration.curve.pressure_pa_gauge[-1])
         if pressure > highest:
-            lost = f"set to {1e-3 * pressure:.1f} kPa, but its equilibrium is lost above {1e-3 * highest:g} kPa"
+            lost = f"set to {1e-3 * pressure:.1f} kPa, calibrated up to {1e-3 * highest:g} kPa"
             yield _row(finger, refused=lost)
             continue
         key = _physics(finger.content)

@@ -110,7 +110,9 @@ def test_a_finger_at_a_member_is_the_member_and_at_zero_the_nominal_one(ensemble
 
 def test_differences_add_up_and_a_missing_side_mirrors_the_other(ensemble):
     def middle(**at):
-        return blended(ensemble, at)["joints"][1]["stiffness_n_m_per_rad"] / SHIPPED["joints"][1]["stiffness_n_m_per_rad"]
+        return (
+            blended(ensemble, at)["joints"][1]["stiffness_n_m_per_rad"] / SHIPPED["joints"][1]["stiffness_n_m_per_rad"]
+        )
 
     assert middle(wall=0.5) == pytest.approx(1.15)
     assert middle(wall=-0.5) == pytest.approx(0.9)

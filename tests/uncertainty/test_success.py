@@ -21,8 +21,8 @@ def test_all_or_none_held_reaches_to_the_end():
     assert success_interval([0], 5) == (0.0, pytest.approx(jeffreys(0, 5)[1]))
 
 
-def test_the_interval_is_that_of_draws_from_the_mixture(held=(3, 9, 17), trials=20):
-    rng = np.random.default_rng(0)
+def test_the_interval_is_that_of_draws_from_the_mixture():
+    rng, held, trials = np.random.default_rng(0), (3, 9, 17), 20
     drawn = np.concatenate([rng.beta(h + 0.5, trials - h + 0.5, 200_000) for h in held])
     assert success_interval(held, trials) == pytest.approx(np.percentile(drawn, [2.5, 97.5]), abs=2e-3)
 
