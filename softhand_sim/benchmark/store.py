@@ -116,6 +116,7 @@ def conditions(plan: BenchmarkPlan) -> dict[str, Any]:
     return {
         "protocol": repr(plan.protocol),
         "engine": asdict(plan.engine),
+        "effects": repr(plan.effects),
         "calibration_sha256": hashlib.sha256(file.read_bytes()).hexdigest(),
         **control,
         "mujoco_version": version("mujoco"),

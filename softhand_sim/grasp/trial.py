@@ -145,7 +145,7 @@ def _commands(setup: TrialSetup, stage: Stage) -> Iterator[tuple[Callable[[], bo
     yield stage.arrived, 0
     yield stage.after(stage.settle_s), 0
     known = setup.calibration if setup.control is None else setup.control
-    simulation.set_pressure_pa_gauge = np.array([known.closing_pressure(angle) for angle in setup.plan.set_angle_deg])
+    simulation.set_pressure_pa_gauge = setup.protocol.closing_pressures_pa_gauge(known, setup.plan.set_angle_deg)
     yield stage.after(setup.protocol.close_s), 0
     stage.recorder.mark(simulation)
     for number, phase in enumerate(setup.protocol.phases, start=1):

@@ -105,7 +105,8 @@ def grasp_rows(ensemble: Ensemble, plan: GraspPlan, folder: Path, *, workers: in
         if file is None or calibration is None:
             yield _row(finger, refused=finger.refused)
             continue
-        pressure = (calibration if plan.known_finger else nominal).closing_pressure(FIRM_ANGLE_DEG)
+        known_to_controller = calibration if plan.known_finger else nominal
+        (pressure,) = plan.protocol.closing_pressures_pa_gauge(known_to_controller, (FIRM_ANGLE_DEG,)).tolist()
         highest = float(calibration.curve.pressure_pa_gauge[-1])
         if pressure > highest:
             lost = f"set to {1e-3 * pressure:.1f} kPa, calibrated up to {1e-3 * highest:g} kPa"
