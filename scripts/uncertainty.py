@@ -20,7 +20,7 @@ from assets import asset_path
 from fea.density import DENSITIES
 from fea.finger_design import load_design
 from fea.solved import solve_finger
-from scripts import _cli, _solving, _uncertainty_report
+from scripts import _cli, _solving, _uncertainty_pictures, _uncertainty_report
 from scripts._ensemble import Job, assemble, solve_members
 from softhand_sim.checks import require_in
 from softhand_sim.grasp.protocol_file import DEFAULT, load_protocol, protocol_names
@@ -159,7 +159,7 @@ def _bands(args: Any, analyses: _solving.Analyses) -> int:  # noqa: ARG001 - the
         rows = {name: {key: asdict(band) for key, band in own.items()} for name, own in bands.items()}
         _cli.write_json(args.json, {"spread": args.spread, "seed": args.seed, "bands": rows, "members": figures})
     if args.picture is not None:
-        _uncertainty_report.draw_bands(args.picture, bands, pressures)
+        _uncertainty_pictures.draw_bands(args.picture, bands, pressures)
     return 0
 
 
@@ -188,7 +188,7 @@ def _grasps(args: Any, analyses: _solving.Analyses) -> int:  # noqa: ARG001 - th
     if args.json is not None:
         _cli.write_json(args.json, result)
     if args.picture is not None:
-        _uncertainty_report.draw_grasps(args.picture, result, _uncertainty_report.angle_curves(folder, rows))
+        _uncertainty_pictures.draw_grasps(args.picture, result, _uncertainty_pictures.angle_curves(folder, rows))
     return 0
 
 

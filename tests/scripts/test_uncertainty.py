@@ -78,13 +78,12 @@ def test_bands_of_the_shipped_ensemble_follow_physics(tmp_path, capsys):
     data = json.loads(figures.read_text())
     members, bands = data["members"], data["bands"]
     nominal = members["nominal"]
-    for wall in ("tube", "actuator", "flexure"):
-        for side, sign in (("plus", 1.0), ("minus", -1.0)):
-            if f"{wall}-wall-{side}" not in members:
-                continue
-            member = members[f"{wall}-wall-{side}"]
-            # a thicker wall bends less
-            assert sign * (member["tip_angle_deg_at_75_kpa"] - nominal["tip_angle_deg_at_75_kpa"]) < 0.0
+    walls = [name for name in members if "-wall-" in name]
+    assert {"tube-wall-plus", "actuator-wall-minus"} <= set(walls)
+    for name in walls:
+        # a thicker wall bends less
+        change = members[name]["tip_angle_deg_at_75_kpa"] - nominal["tip_angle_deg_at_75_kpa"]
+        assert change < 0.0 if name.endswith("plus") else change > 0.0
     stiffness = [f"{joint}_stiffness_n_m_per_rad" for joint in ("proximal", "middle", "distal")]
     assert all(members["tube-wall-plus"][name] > nominal[name] for name in stiffness)
     for own in bands.values():
@@ -95,7 +94,7 @@ def test_bands_of_the_shipped_ensemble_follow_physics(tmp_path, capsys):
     assert angle["material_pair"]["low"] == pytest.approx(28.0, abs=0.5)
     assert angle["mesh"]["high"] - angle["mesh"]["low"] == pytest.approx(2 * 0.24, abs=0.1)
     widths = {name: band["high"] - band["low"] for name, band in angle.items()}
-    singles = [widths[name] for name in ("tube_wall", "actuator_wall", "flexure_wall", "mesh")]
+    singles = [width for name, width in widths.items() if name == "mesh" or name.endswith("_wall")]
     assert max(singles) * 0.9 < widths["tolerances"] < sum(singles)
     assert "| material_pair | " in capsys.readouterr().out
     assert (np.asarray(Image.open(picture).convert("L")) < 128).mean() > 0.005
