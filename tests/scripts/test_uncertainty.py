@@ -7,9 +7,13 @@ import pytest
 from PIL import Image
 
 from assets import asset_path
+from fea.actuator import ActuatorResult
 from fea.checkpoint import content_hash
+from fea.exoskeleton import ExoskeletonResult
 from fea.geometry import FingerGeometry
+from fea.newton import Status
 from fea.store import Solved
+from scripts import _ensemble
 from scripts.uncertainty import main
 
 SHIPPED = json.loads((asset_path("calibration") / "finger.json").read_text())
@@ -70,6 +74,47 @@ def test_an_ensemble_is_solved_once_and_refusals_are_kept(ensemble, stand_in, tm
     for joint, nominal in zip(thick["joints"], SHIPPED["joints"], strict=True):
         ratio = joint["stiffness_n_m_per_rad"] / nominal["stiffness_n_m_per_rad"]
         assert ratio == pytest.approx(1.05, rel=0.01)
+
+
+def as_result(kind, table, names):
+    values = {name: np.array(table[key]) for name, key in names.items()}
+    return kind(**values, status=Status.CONVERGED, iterations=0, dofs=table["dofs"], elements=table["elements"])
+
+
+def test_analysis_three_may_come_from_a_table_of_runs(tmp_path, stand_in, monkeypatch):
+    table, actuator, shell = (SHIPPED["fea"][part] for part in ("finger", "actuator", "exoskeleton"))
+    up = {"pressure_pa_gauge": "pressure_pa_gauge", "elongation": "elongation_ratio", "lengthening_m": "lengthening_m"}
+    up |= {"volume_m3": "chamber_volume_m3", "radial_growth_m": "radial_growth_m"}
+    up |= {"max_stretch": "max_principal_stretch", "thrust_area_m2": "thrust_area_m2"}
+    down = {"load_n": "load_n", "tip_deflection_m": "tip_deflection_m", "angle_rad": "joint_angle_rad"}
+    down |= {"moment_n_m": "joint_moment_n_m", "lengthening_m": "axis_lengthening_m"}
+    monkeypatch.setattr(_ensemble, "run_actuator", lambda *_: (as_result(ActuatorResult, actuator, up), 7e-3))
+    monkeypatch.setattr(_ensemble, "run_exoskeleton", lambda *_: (as_result(ExoskeletonResult, shell, down), 6e-3))
+    case = {"geometry": FingerGeometry().as_dict(), "mesh": "calibration", "formulation": "P2", "volumetric": None}
+    case |= {"mesh_cells": SHIPPED["provenance"]["mesh"]["finger"], "unload": True, "friction": 0.3}
+    run = {
+        "case": case | {"silicone_set": "set2", "tpu_set": "set3"},
+        "status": "converged",
+        "pressure_pa_gauge": table["pressure_pa_gauge"],
+        "joint_rotation_rad": table["joint_angle_rad"],
+        "volume_m3": table["chamber_volume_m3"],
+        "contact_force_n": table["contact_force_n"],
+        "tip_displacement_m": [0.0] * len(table["branch"]),
+        "newton_iterations": 1,
+        "dofs": 1,
+        "code_sha256": "",
+    }
+    (tmp_path / "runs.json").write_text(json.dumps({"runs": [run]}))
+    argv = ["solve", "--only", "nominal-coarse,pair-set2-set3,pair-set2-set2", "--density", "calibration"]
+    argv += ["--runs", str(tmp_path / "runs.json"), "--out", str(tmp_path / "out"), "--store", str(tmp_path / "store")]
+    assert main(argv, stand_in) == 0
+    # nominal and the pair that the table lacks
+    assert [silicone for silicone, _ in stand_in.solved] == ["set3", "set2"]
+    made = json.loads((tmp_path / "out" / "solved" / "pair-set2-set3.json").read_text())
+    assert made["provenance"]["finger_run"]["pressure_pa_gauge"] == table["pressure_pa_gauge"]
+    # all states were there, so it is the shipped finger again
+    assert made["curve"]["tip_angle_deg"] == pytest.approx(SHIPPED["curve"]["tip_angle_deg"], abs=1e-3)
+    assert made["finger"]["mass_kg"] == pytest.approx(13e-3)
 
 
 def test_bands_of_the_shipped_ensemble_follow_physics(tmp_path, capsys):
