@@ -4,7 +4,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import product
 
+from fea.density import Density
 from fea.finger_design import FingerDesign, material_named, with_fields
+from fea.laws import IsochoricOgden
 
 TOLERANCE_M = 1e-4
 """Tolerance of a printed wall: 0.1 mm either way."""
@@ -61,6 +63,19 @@ def mesh_place() -> float:
     """Return where the coarse mesh lies on the mesh's axis, on which 1 is the reference less the calibration mesh."""
     angle = MESH_ANGLE_DEG
     return (angle["coarse"] - angle["calibration"]) / (angle["reference"] - angle["calibration"])
+
+
+def member_density(density: Density, base: FingerDesign, design: FingerDesign) -> Density:
+    """Return the density for a member: a softer silicone has analysis (i) at pressures lower by the shear moduli.
+
+    The free actuator of the tensile test's silicone, a third as stiff at first, passes the lengthening that the fit uses
+    after three of the usual pressures, and a cubic needs four.
+    """
+    laws = (design.materials.silicone.law, base.materials.silicone.law)
+    own, usual = (law.shear_modulus_pa for law in laws if isinstance(law, IsochoricOgden))
+    if own >= usual:
+        return density
+    return replace(density, pressures_pa_gauge=tuple(p * own / usual for p in density.pressures_pa_gauge))
 
 
 def _walls(base: FingerDesign) -> Iterator[EnsembleSource]:

@@ -9,7 +9,7 @@ from typing import Any
 from fea.calibration import run_actuator, run_exoskeleton
 from fea.checkpoint import code_version
 from fea.density import DENSITIES, Density
-from fea.ensemble import MESH_ANGLE_DEG, EnsembleMember, EnsembleSource, ensemble_sources, mesh_place
+from fea.ensemble import MESH_ANGLE_DEG, EnsembleMember, EnsembleSource, ensemble_sources, member_density, mesh_place
 from fea.finger_design import FingerDesign
 from fea.from_table import artifact_from_run, matches
 from fea.transfer import transferred
@@ -115,7 +115,8 @@ def _outcome(job: Job, member: EnsembleMember, design: FingerDesign, parts: _Par
         if run is not None:
             made = artifact_from_run(run, design.geometry, design.materials, job.density, *parts.of(design))
         else:
-            made = dict(job.solve(design, job.density, label=member.name)[0].artifact)
+            density = member_density(job.density, job.base, design)
+            made = dict(job.solve(design, density, label=member.name)[0].artifact)
         _solving.checked(made)
     except ValueError as error:
         return {"refused": str(error)}

@@ -10,7 +10,7 @@ from assets import asset_path
 from fea.calibration import load_materials
 from fea.checkpoint import content_hash
 from fea.density import DENSITIES
-from fea.ensemble import WALLS, ensemble_sources, mesh_place
+from fea.ensemble import WALLS, ensemble_sources, member_density, mesh_place
 from fea.exoskeleton import analyse_exoskeleton, exoskeleton_model
 from fea.finger import CONTACT, MESHES
 from fea.finger_design import load_design
@@ -65,6 +65,16 @@ def test_each_wall_changes_by_a_tenth_of_a_millimetre_and_nothing_else(sources):
             other = {key: v for key, v in geometry.as_dict().items() if key != dimension}
             assert other == {key: v for key, v in default.as_dict().items() if key != dimension}
             assert member.design.materials.silicone.parameter_set == "set3"
+
+
+def test_a_softer_silicone_is_inflated_less_and_a_stiffer_one_as_usual(sources):
+    base, density = load_design(asset_path("fingers", "default.toml")), DENSITIES["coarse"]
+    tensile, sheet = (member.design for member in sources["silicone_data"].members)
+    assert member_density(density, base, sheet) == density
+    soft = member_density(density, base, tensile)
+    # initial shear moduli: half of 18.09 x 2 + 1.032 x 4 kPa, against 59.67
+    ratio = np.array(soft.pressures_pa_gauge) / np.array(density.pressures_pa_gauge)
+    np.testing.assert_allclose(ratio, 0.5 * (18.09 * 2.0 + 1.032 * 4.0) / 59.67)
 
 
 def test_the_pairs_are_the_nine_but_the_finger_s_own(sources):
