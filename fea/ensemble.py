@@ -68,8 +68,8 @@ def mesh_place() -> float:
 def member_density(density: Density, base: FingerDesign, design: FingerDesign) -> Density:
     """Return the density for a member: a softer silicone has analysis (i) at pressures lower by the shear moduli.
 
-    The free actuator of the tensile test's silicone, a third as stiff at first, passes the lengthening that the fit uses
-    after three of the usual pressures, and a cubic needs four.
+    The free actuator of the tensile test's silicone, a third as stiff at first, passes the lengthening that the fit
+    uses after three of the usual pressures, and a cubic needs four.
     """
     laws = (design.materials.silicone.law, base.materials.silicone.law)
     own, usual = (law.shear_modulus_pa for law in laws if isinstance(law, IsochoricOgden))

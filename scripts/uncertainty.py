@@ -77,7 +77,7 @@ def parser() -> _cli.Parser:
     used.add_argument("--picture", type=Path, metavar="PNG", help="draw the result")
     grasp = p.add_argument_group("grasps")
     grasp.add_argument("--objects", default="apple,mug", help="of the catalogue, comma-separated, or all (%(default)s)")
-    grasp.add_argument("--trials", type=_cli.positive_int, default=5, help="per finger and object (%(default)s)")
+    grasp.add_argument("--trials", type=_cli.positive_int, default=4, help="per finger and object (%(default)s)")
     grasp.add_argument("--fingers", type=_cli.positive_int, default=8, help="drawn from the tolerances (%(default)s)")
     grasp.add_argument("--scenarios", default="all", help="sources of scenarios, comma-separated; all, none (all)")
     text = "set pressures from each finger's own curve (default: from the nominal finger's, as the controller has it)"

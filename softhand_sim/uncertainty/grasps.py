@@ -43,7 +43,7 @@ class GraspPlan:
     """
 
     objects: tuple[ObjectModel, ...]
-    trials: int = 5
+    trials: int = 4
     seed: int = 0
     fingers: int = 8
     spread: float = 1.0
