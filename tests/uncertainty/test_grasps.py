@@ -11,7 +11,7 @@ from softhand_sim.grasp.phases.hold import Hold
 from softhand_sim.grasp.phases.lift import Lift
 from softhand_sim.grasp.protocol_file import load_protocol
 from softhand_sim.objects.catalogue import make_object
-from softhand_sim.uncertainty import GraspPlan, grasp_rows, load_ensemble
+from softhand_sim.uncertainty import UncertaintyPlan, grasp_rows, load_ensemble
 
 QUICK = dataclasses.replace(
     load_protocol(), close_s=0.2, settle_s=0.05, phases=(Lift(height_m=0.03), Hold(duration_s=0.1))
@@ -57,7 +57,7 @@ def ensemble(tmp_path):
 
 def plan(**changed):
     values = {"objects": (make_object("golf_ball"),), "trials": 1, "fingers": 2, "protocol": QUICK}
-    return GraspPlan(**{**values, **changed})
+    return UncertaintyPlan(**{**values, **changed})
 
 
 def trials(rows):
