@@ -63,6 +63,8 @@ class Episode:
         self.worlds = worlds
         self.draw = Draw()
         self.world: World | None = None
+        self.diverged = False
+        self._warnings: dict[str, int] = {}
 
     @property
     def here(self) -> World:
@@ -106,6 +108,7 @@ class Episode:
             world.simulation, world.object.rest_height_m, (*self.draw.object_offset_m, self.draw.object_yaw_rad)
         )
         self.task.begin(world, rng, options)
+        self.look()
         return self._drawn(world.object)
 
     def enter(self, draw: Draw) -> None:
@@ -131,13 +134,17 @@ class Episode:
             target[: len(command.wrist)] += self.spec.control_period_s * command.wrist
             simulation.wrist_target = np.minimum(np.maximum(target, _WRIST_RANGE[:, 0]), _WRIST_RANGE[:, 1])
 
+    def look(self) -> None:
+        """See what the engine says after its steps; once, before `observe` and `judge`, which rely on it."""
+        simulation = self.here.simulation
+        self._warnings = _warnings(simulation.data)
+        self.diverged = simulation.diverged if self._warnings else not bool(np.isfinite(simulation.data.qpos).all())
+
     def judge(self, elapsed_s: float) -> tuple[float, bool, Info]:
         """Return reward, whether the episode has ended, and the info."""
-        world = self.here
-        simulation = world.simulation
-        beyond = bool(simulation.range_watch.beyond())
-        warnings = _warnings(simulation.data)
-        if simulation.diverged:
+        world, warnings = self.here, self._warnings
+        beyond = world.simulation.range_watch.passed()
+        if self.diverged:
             info: Info = {"is_success": False, "diverged": True}
             reward = -1.0 if self.spec.sparse else 0.0
             return reward, True, info | {"beyond_calibration": beyond, "engine_warnings": warnings}
@@ -155,7 +162,7 @@ class Episode:
         world, layout = self.here, self.spec.layout
         simulation = world.simulation
         data, index = simulation.data, simulation.index
-        if simulation.diverged:
+        if self.diverged:
             return np.clip(np.zeros_like(layout.low), layout.low, layout.high)
         valves = [float(v) for pair in simulation.gas.valves for v in pair] if simulation.gas is not None else [0.0] * 6
         parts: list[npt.ArrayLike] = [1e-3 * simulation.reading_pa_gauge(), valves, data.qpos[index.wrist_qpos]]
@@ -182,7 +189,7 @@ class Episode:
 
     def goals(self) -> tuple[Vector, Vector]:
         """Return the achieved and the desired goal, (g,) each; a lost simulation has achieved the lowest."""
-        if self.here.simulation.diverged:
+        if self.diverged:
             return np.array(self.task.goal_low), self.task.desired()
         return self.task.achieved(self.here), self.task.desired()
 
@@ -210,5 +217,5 @@ def canonical_quaternion(rotation: Vector) -> Vector:
 
 def _warnings(data: mujoco.MjData) -> dict[str, int]:
     """Return the engine's warnings of this episode by name, with their number."""
-    numbers = data.warning.number
-    return {mujoco.mjtWarning(k).name: int(numbers[k]) for k in np.flatnonzero(numbers)}
+    numbers = data.warning.number.tolist()
+    return {mujoco.mjtWarning(k).name: n for k, n in enumerate(numbers) if n} if any(numbers) else {}

@@ -72,11 +72,11 @@ class SoftHandEnv(gymnasium.Env[Any, Any]):
             Before the first reset.
         """
         episode = self._episode
-        episode.here  # noqa: B018 - raises before the first reset
-        episode.command(action)
         simulation = episode.here.simulation
+        episode.command(action)
         for _ in range(episode.substeps):
             simulation.step()
+        episode.look()
         observation = self._observed()
         reward, terminated, info = episode.judge(episode.spec.control_period_s)
         if self.render_mode == "human":

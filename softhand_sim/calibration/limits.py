@@ -55,6 +55,16 @@ class RangeWatch:
         np.maximum(self._high, joint_angle_rad, out=self._high)
         np.minimum(self._low, joint_angle_rad, out=self._low)
 
+    def passed(self) -> bool:
+        """Return whether anything went beyond the calibrated range: what `beyond` would name, without the names."""
+        limits = self.limits
+        return (
+            bool((self._set > limits.pressure_pa_gauge + SET_PRESSURE_MARGIN_PA).any())
+            or bool((self._pressure > limits.pressure_pa_gauge + PRESSURE_MARGIN_PA).any())
+            or bool((self._high > limits.joint_angle_rad + ANGLE_MARGIN_RAD).any())
+            or bool((self._low < -ANGLE_MARGIN_RAD).any())
+        )
+
     def beyond(self) -> dict[str, float]:
         """Return what went beyond the calibrated range: the extreme value (Pa gauge or rad) by name, none if empty."""
         found: dict[str, float] = {}
