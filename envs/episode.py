@@ -104,9 +104,7 @@ class Episode:
         self.enter(self.draw)
         world = self.here
         world.simulation.reset(rng, self.task.wrist_start(world.object))
-        place_object(
-            world.simulation, world.object.rest_height_m, (*self.draw.object_offset_m, self.draw.object_yaw_rad)
-        )
+        place_object(world.simulation, world.rest_height_m, (*self.draw.object_offset_m, self.draw.object_yaw_rad))
         self.task.begin(world, rng, options)
         self.look()
         return self._drawn(world.object)
@@ -134,11 +132,28 @@ class Episode:
             target[: len(command.wrist)] += self.spec.control_period_s * command.wrist
             simulation.wrist_target = np.minimum(np.maximum(target, _WRIST_RANGE[:, 0]), _WRIST_RANGE[:, 1])
 
-    def look(self) -> None:
-        """See what the engine says after its steps; once, before `observe` and `judge`, which rely on it."""
+    def advance(self) -> None:
+        """Take the engine's steps of one action, as far as the coordinates are numbers; then `look`."""
+        simulation = self.here.simulation
+        try:
+            for _ in range(self.substeps):
+                simulation.step()
+        except ValueError:
+            # the gas refuses the volumes of a finger that is nowhere
+            if np.isfinite(simulation.data.qpos).all():
+                raise
+        self.look()
+
+    def look(self, *, lost: bool = False) -> None:
+        """See what the engine says after its steps; once, before `observe` and `judge`, which rely on it.
+
+        ``lost`` says that the coordinates ceased to be numbers on the way.
+        """
         simulation = self.here.simulation
         self._warnings = _warnings(simulation.data)
-        self.diverged = simulation.diverged if self._warnings else not bool(np.isfinite(simulation.data.qpos).all())
+        self.diverged = lost or not bool(np.isfinite(simulation.data.qpos).all())
+        if self._warnings:
+            self.diverged = self.diverged or simulation.diverged
 
     def judge(self, elapsed_s: float) -> tuple[float, bool, Info]:
         """Return reward, whether the episode has ended, and the info."""
@@ -164,7 +179,8 @@ class Episode:
         data, index = simulation.data, simulation.index
         if self.diverged:
             return np.clip(np.zeros_like(layout.low), layout.low, layout.high)
-        valves = [float(v) for pair in simulation.gas.valves for v in pair] if simulation.gas is not None else [0.0] * 6
+        gas = simulation.gas
+        valves = [0.0] * 6 if gas is None else [float(v) for pair in gas.valves for v in pair]
         parts: list[npt.ArrayLike] = [1e-3 * simulation.reading_pa_gauge(), valves, data.qpos[index.wrist_qpos]]
         if "joint_angle_rad" in layout.where:
             position, rotation = simulation.in_palm_frame(world.body)
@@ -178,7 +194,7 @@ class Episode:
                 canonical_quaternion(rotation),
                 data.qvel[free : free + 6],
                 [
-                    data.xpos[world.body, 2] - world.object.rest_height_m,
+                    data.xpos[world.body, 2] - world.rest_height_m,
                     world.mass_kg(self.draw),
                     world.friction(self.draw),
                 ],

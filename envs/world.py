@@ -72,6 +72,7 @@ class World:
     def __post_init__(self) -> None:
         self.object = self.settings.objects[self.index[0]]
         self.calibration = self.settings.calibrations[self.index[1]]
+        self.rest_height_m = self.object.rest_height_m
         self.body = int(self.model.body("object").id)
         self.grasp_site = int(self.model.site("grasp").id)
         self.object_qpos = int(self.model.joint("object_joint").qposadr[0])
