@@ -1,4 +1,4 @@
-"""Many hands in time: worlds of one model, stepped together on a thread pool, each as `HandSimulation` would step it."""
+"""Many hands in time: worlds of one model, stepped together, each as `HandSimulation` would step it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field

@@ -140,13 +140,13 @@ class HandSimulation:
         """Present pressure of each element where its sensor sits (Pa), shape (3,)."""
         if self.pneumatics is None:
             return self.set_pressure_pa_gauge
-        return self._actuation.pressure_pa_abs()[0] - self.pneumatics.ambient_pa_abs
+        return np.asarray(self._actuation.pressure_pa_abs()[0] - self.pneumatics.ambient_pa_abs)
 
     def reading_pa_gauge(self) -> Vector:
         """Last reading of each element's sensor (Pa), shape (3,)."""
         if self.pneumatics is None:
             return self.set_pressure_pa_gauge
-        return self._actuation.reading_pa_abs()[0] - self.pneumatics.ambient_pa_abs
+        return np.asarray(self._actuation.reading_pa_abs()[0] - self.pneumatics.ambient_pa_abs)
 
     def elongations_m(self) -> Vector:
         """Elongation of each finger's actuator, shape (5,): that at the start of the engine's last step."""

@@ -85,7 +85,7 @@ def test_batch_is_single_hands_to_the_bit(preset, calibration):
 @pytest.mark.parametrize("dt", [0.002, 0.0133])
 @pytest.mark.parametrize("own", [False, True])
 def test_compiled_step_is_the_plain_one(preset, dt, own, calibration):
-    """Fingers moved by hand, so that nothing but the step itself is compared; ticks inside steps, worlds out of phase."""
+    """Fingers moved by hand, so that the step alone is compared; ticks inside steps, worlds out of phase."""
     setup = prepare(make_object("apple"), calibration, effects=PRESETS[preset])
     system = setup.pneumatics
     if own and system is not None:

@@ -88,7 +88,8 @@ def _balance(  # noqa: PLR0913, PLR0917 - a compiled function takes arrays, not 
 @inner
 def _manifold(e: Any, nodes: F64, k: int, open_: Valves, holes: F64, supply: float, guesses: F64, dt: float) -> float:
     """Pressure of a manifold at the step's end (`solve_pressure`)."""
-    ambient, p = e.ambient, nodes[k, PRESSURE]
+    ambient: float = e.ambient
+    p: float = nodes[k, PRESSURE]
     low = high = p
     if open_[2 * k]:
         low, high = min(low, supply), max(high, supply)
