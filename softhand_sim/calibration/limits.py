@@ -57,12 +57,12 @@ class RangeWatch:
 
     def passed(self) -> bool:
         """Return whether anything went beyond the calibrated range: what `beyond` would name, without the names."""
-        limits = self.limits
-        return (
-            bool((self._set > limits.pressure_pa_gauge + SET_PRESSURE_MARGIN_PA).any())
-            or bool((self._pressure > limits.pressure_pa_gauge + PRESSURE_MARGIN_PA).any())
-            or bool((self._high > limits.joint_angle_rad + ANGLE_MARGIN_RAD).any())
-            or bool((self._low < -ANGLE_MARGIN_RAD).any())
+        highest, joint_rad = self.limits.pressure_pa_gauge, self.limits.joint_angle_rad
+        return bool(
+            self._set.max() > highest + SET_PRESSURE_MARGIN_PA
+            or self._pressure.max() > highest + PRESSURE_MARGIN_PA
+            or self._low.min() < -ANGLE_MARGIN_RAD
+            or (self._high > joint_rad + ANGLE_MARGIN_RAD).any()
         )
 
     def beyond(self) -> dict[str, float]:
