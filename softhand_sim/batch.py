@@ -1,6 +1,6 @@
 """Many hands in time: worlds of one model, stepped together, each as `HandSimulation` would step it."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 import mujoco
@@ -62,6 +62,7 @@ class HandBatch:
         self._watch = RangeWatches(limits=CalibratedRange.of(self.calibration), worlds=n)
         self._next_look_s = np.zeros(n)
         self._move_wrists = wrist_mover()
+        self._played: Iterator[Vector] | None = None
 
     def reset(self, worlds: Ids, rngs: Sequence[np.random.Generator], wrist_poses: Vector) -> None:
         """Start some worlds anew, as `HandSimulation.reset` does one.
@@ -97,6 +98,8 @@ class HandBatch:
         speed, rate = self.anatomy.wrist_speed_m_per_s, self.anatomy.wrist_rate_rad_per_s
         self._move_wrists(self.wrist_reference, self.wrist_target, speed * self.dt, rate * self.dt)
         self._ctrl[:, self.index.wrist_ctrl] = self.wrist_reference
+        if self._played is not None:
+            self.actuation.play(next(self._played))
         self.actuation.step(self.dt)
         self.engine.step()
         due = self._time >= self._next_look_s
@@ -104,6 +107,12 @@ class HandBatch:
             joints = self._qpos[:, self.index.joint_qpos]
             self._watch.look(due, self.set_pressure_pa_gauge, self.actuation.pressure_pa_gauge, joints)
             self._next_look_s[due] = self._time[due] + RANGE_WATCH_S
+
+    def play_pressures(self, recorded: Iterator[Vector] | None) -> None:
+        """Give the fingers recorded pressures (Pa), (n, 5) a step, while the gas stands still; None ends that."""
+        self._played = recorded
+        if recorded is None:
+            self.actuation.stop_playing()
 
     def pressure_pa_gauge(self) -> Vector:
         """Present pressure of each element where its sensor sits (Pa), shape (n, 3)."""

@@ -1,5 +1,6 @@
 """The hand in time: engine, pneumatics and wrist stepped together."""
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
@@ -42,7 +43,7 @@ class HandSimulation:
     wrist_target: x, y, z (m), yaw, pitch, roll (rad), shape (6,); approached at the wrist's limited speed.
     set_pressure_pa_gauge: wanted pressure per element (Pa), shape (3,).
     range_watch: what went beyond the calibrated range since the reset; never silently extrapolated.
-    losses: friction and relaxation of the fingers; by default the calibration's friction alone.
+    losses: friction, relaxation and relief of the fingers; by default the calibration's friction alone.
 
     Without `pneumatics` (None) the fingers have the wanted pressure at once, and there is no gas.
     """
@@ -58,13 +59,14 @@ class HandSimulation:
         self.data = mujoco.MjData(self.model)
         self.dt = float(self.model.opt.timestep)
         self.losses = losses = Losses.of(self.calibration) if self.losses is None else self.losses
-        self._played: Iterator[tuple[float, ...]] | None = None
+        self._played: Iterator[Vector] | None = None
         # views of the engine's memory, which never moves
         engine = EngineArrays(
             ten_length=self.data.ten_length[None], qpos=self.data.qpos[None], ctrl=self.data.ctrl[None]
         )
         parts = HandParts(index=self.index, calibration=self.calibration, pneumatics=self.pneumatics, losses=losses)
         self._actuation = prepare_actuation(parts, engine)
+        self._idle = self.pneumatics is None and not losses.any
 
     def reset(self, rng: np.random.Generator, wrist_pose: Vector) -> None:
         """Start anew with empty fingers and the wrist standing at `wrist_pose`, shape (6,)."""
@@ -77,16 +79,44 @@ class HandSimulation:
         self.set_pressure_pa_gauge = np.zeros(3)
         self.range_watch = RangeWatch(limits=CalibratedRange.of(self.calibration))
         self._next_look_s = 0.0
+        self._written: Vector | None = None
         self._actuation.reset(0, rng)
+
+    def advance(self, steps: int) -> None:
+        """Advance by some time steps, as that many calls of `step` to the bit.
+
+        Where nothing changes between the engine's own steps (neither gas nor losses, the wrist at its target), it takes
+        them at one go.
+        """
+        while steps > 0:
+            if not self._idle or self._played is not None or not self.wrist_arrived:
+                self.step()
+                steps -= 1
+                continue
+            self._write_wrist()
+            self._actuation.step(self.dt)
+            until_look = max(1, math.ceil((self._next_look_s - self.data.time) / self.dt - 1e-6))
+            taken = min(steps, until_look)
+            mujoco.mj_step(self.model, self.data, nstep=taken)
+            self._look()
+            steps -= taken
 
     def step(self) -> None:
         """Advance by one time step of the engine."""
         self.move_wrist()
-        self.data.ctrl[self.index.wrist_ctrl] = self.wrist_reference
+        self._write_wrist()
         if self._played is not None:
             self._actuation.play(np.array([next(self._played)]))
         self._actuation.step(self.dt)
         mujoco.mj_step(self.model, self.data)
+        self._look()
+
+    def _write_wrist(self) -> None:
+        # the engine keeps what was written; a reference that moves is a new array
+        if self._written is not self.wrist_reference:
+            self.data.ctrl[self.index.wrist_ctrl] = self._written = self.wrist_reference
+
+    def _look(self) -> None:
         if self.data.time >= self._next_look_s:
             joints = self.data.qpos[self.index.joint_qpos]
             self.range_watch.look(self._actuation.set_pa_gauge[0], self._actuation.pressure_pa_gauge[0], joints)
@@ -112,7 +142,7 @@ class HandSimulation:
 
     @property
     def loss_state(self) -> LossState:
-        """State of friction and relaxation; assign one to go back to it, bit for bit."""
+        """State of friction, relaxation and relief; assign one to go back to it, bit for bit."""
         return self._actuation.losses(0)
 
     @loss_state.setter
@@ -130,8 +160,8 @@ class HandSimulation:
             self.anatomy.wrist_rate_rad_per_s * self.dt,
         )
 
-    def play_pressures(self, recorded: Iterator[tuple[float, ...]] | None) -> None:
-        """Give the fingers recorded pressures (Pa), (5,) a step, while the gas stands still; None ends that."""
+    def play_pressures(self, recorded: Iterator[Vector] | None) -> None:
+        """Give the fingers recorded pressures (Pa), shape (5,) a step, while the gas stands still; None ends that."""
         self._played = recorded
         if recorded is None:
             self._actuation.stop_playing()
@@ -157,8 +187,11 @@ class HandSimulation:
         return self.index.elongations_m(self.data.ten_length)
 
     def chamber_volumes_m3(self) -> Vector:
-        """Volume of each finger's chamber without bulging, shape (5,): V(delta) at the tendon's present length."""
-        return np.array(self.calibration.chamber.volumes_m3(self.elongations_m()))
+        """Volume of each finger's chamber without bulging, shape (5,): V(delta) at the tendon's present length.
+
+        Where a relief lets actuators out, delta is longer by that.
+        """
+        return np.array(self.calibration.chamber.volumes_m3(self.elongations_m() + self.loss_state.bulge_m))
 
     @property
     def wrist_arrived(self) -> bool:

@@ -18,9 +18,10 @@ from softhand_sim.grasp.trial import prepare
 from softhand_sim.hand.index import HandIndex
 from softhand_sim.objects.catalogue import make_object
 from softhand_sim.pneumatics.leak import Leak
+from softhand_sim.relief import ProximalRelief
 from softhand_sim.simulation import HandSimulation
 
-LEAKING = replace(FULL, leaks=(Leak(finger="ring", start_s=0.0301),))
+LEAKING = replace(FULL, leaks=(Leak(finger="ring", start_s=0.0301),), relief=ProximalRelief(thrust_n=1.0))
 PRESETS = {"ideal": IDEAL, "bench": BENCH, "full": FULL, "leaking": LEAKING}
 
 
@@ -121,7 +122,9 @@ def test_compiled_step_is_the_plain_one(preset, dt, own, calibration):
                 fast.set_gas(w, b)
                 assert fast.gas(w) == b
             np.testing.assert_allclose(fast.losses(w).slip_m, plain.losses(w).slip_m, rtol=1e-10)
+            np.testing.assert_allclose(fast.losses(w).bulge_m, plain.losses(w).bulge_m, rtol=1e-9, atol=1e-15)
             np.testing.assert_allclose(fast.losses(w).flow_m, plain.losses(w).flow_m, rtol=1e-10)
+    assert (fast.losses(0).bulge_m.max() > 1e-4) == (preset == "leaking")
     assert np.ptp(one.ctrl[:, parts.index.pressure_ctrl]) > 1e3 or system is None
 
 

@@ -1,6 +1,6 @@
 """What acts on the fingers in each step of the engine, for any number of hands at once.
 
-Gas, valves, control, friction and relaxation are advanced together and written to the hands' ``ctrl``.
+Gas, valves, control, friction, relaxation and relief are advanced together and written to the hands' ``ctrl``.
 
 `Actuation` says what there is to do, `prepare_actuation` chooses between the compiled kernel and plain Python, which
 agree to 1e-10. `PneumaticSystem` and `Losses` stay the reference and hold all parameters.

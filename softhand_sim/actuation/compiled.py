@@ -122,14 +122,14 @@ class CompiledActuation:
         w["time"] = state.time_s[0] if state.time_s else 0.0
 
     def losses(self, world: int) -> LossState:
-        """Return slip and relaxation of a world's fingers."""
+        """Return slip, relaxation and relief of a world's fingers."""
         w = self._worlds[world]
-        return LossState(slip_m=w["slip"].copy(), flow_m=w["flow"][: self._branches].copy())
+        return LossState(slip_m=w["slip"].copy(), flow_m=w["flow"][: self._branches].copy(), bulge_m=w["bulge"].copy())
 
     def set_losses(self, world: int, state: LossState) -> None:
-        """Put slip and relaxation of a world's fingers into a state."""
+        """Put slip, relaxation and relief of a world's fingers into a state."""
         w = self._worlds[world]
-        w["slip"], w["flow"][: self._branches] = state.slip_m, state.flow_m
+        w["slip"], w["flow"][: self._branches], w["bulge"] = state.slip_m, state.flow_m, state.bulge_m
 
     def _tick(self, system: PneumaticSystem) -> None:
         """Let the controllers of all worlds whose tick is due switch their valves."""

@@ -25,7 +25,8 @@ def _measure(hand: Any, world: Any, ten_length: F64) -> bool:
     sound = True
     for i in range(world.volume.shape[0]):
         d = hand.straight[i] - ten_length[hand.tendon[i]]
-        volume = hand.volume + d * (hand.area + 0.5 * hand.area_slope * d)
+        long = d + world.bulge[i] if hand.relieves else d
+        volume = hand.volume + long * (hand.area + 0.5 * hand.area_slope * long)
         world.elongation[i], world.volume[i] = d, volume
         sound = sound and 0.0 < volume < math.inf
     return sound
@@ -84,6 +85,29 @@ def _write_pressures(elements: Any, hand: Any, world: Any, ctrl: F64) -> None:
 
 
 @inner
+def _thrust(hand: Any, elongation: float, pressure: float) -> float:
+    """`Relief.thrust_n`."""
+    wall = elongation * (hand.wall_1 + elongation * (hand.wall_2 + elongation * hand.wall_3))
+    thrust: float = pressure * (hand.area + hand.area_slope * elongation) - wall
+    return thrust
+
+
+@inner
+def _relieve(hand: Any, world: Any, i: int, dt: float) -> float:
+    """`Relief.step` of one finger: let its actuator out, and return the force that it costs."""
+    elongation, pressure, bulge = world.elongation[i], world.pressure[i], world.bulge[i]
+    before = _thrust(hand, elongation, pressure)
+    if before <= hand.relief_thrust and bulge == 0.0:
+        return 0.0
+    long, spring = elongation + bulge, hand.relief_spring
+    excess = _thrust(hand, long, pressure) - hand.relief_thrust - spring * bulge
+    falls = hand.wall_1 + long * (2.0 * hand.wall_2 + 3.0 * hand.wall_3 * long) - pressure * hand.area_slope
+    slow = hand.relief_time * (hand.wall_1 + spring)
+    world.bulge[i] = max(0.0, bulge + dt * excess / (slow + dt * (max(falls, 0.0) + spring)))
+    return _thrust(hand, elongation + world.bulge[i], pressure) - before
+
+
+@inner
 def _write_losses(hand: Any, world: Any, qpos: F64, ctrl: F64, dt: float) -> None:
     """`Losses.step`."""
     for i in range(world.slip.shape[0]):
@@ -101,6 +125,8 @@ def _write_losses(hand: Any, world: Any, qpos: F64, ctrl: F64, dt: float) -> Non
             flow = elongation + math.exp(-dt / hand.branch_time[b]) * (world.flow[b, i] - elongation)
             world.flow[b, i] = flow
             force -= hand.branch_stiffness[b] * (elongation - flow)
+        if hand.relieves:
+            force += _relieve(hand, world, i, dt)
         ctrl[hand.loss_ctrl[i]] = force
 
 

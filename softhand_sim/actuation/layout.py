@@ -28,9 +28,10 @@ def hand_dtype(branches: int) -> np.dtype[Any]:
         "opening",
         "closing",
     )
+    floats += ("relief_thrust", "relief_spring", "relief_time", "wall_1", "wall_2", "wall_3")
     floats += ("volts", "low", "high", "counts", "noise_v", "offset")
     floats += ("dead_band", "control_ambient", "minimum_ticks", "dead_ticks")
-    flags = ("delays", "leaks", "tubes", "losses", "senses", "lookahead")
+    flags = ("delays", "leaks", "tubes", "losses", "relieves", "senses", "lookahead")
     return np.dtype(
         [
             *((name, "f8") for name in floats),
@@ -65,6 +66,7 @@ def world_dtype(branches: int, memory: int) -> np.dtype[Any]:
             ("set", "f8", 3),
             ("memory", "f8", max(memory, 1)),
             ("slip", "f8", _FINGERS),
+            ("bulge", "f8", _FINGERS),
             ("flow", "f8", (max(branches, 1), _FINGERS)),
             ("elongation", "f8", _FINGERS),
             ("volume", "f8", _FINGERS),
@@ -89,7 +91,11 @@ def hand_record(hand: HandParts) -> npt.NDArray[np.void]:
     r["branches"] = branches
     if losses.relaxation is not None:
         r["branch_stiffness"], r["branch_time"] = losses.relaxation.stiffness_n_per_m, losses.relaxation.time_s
-    r["losses"] = losses.sliding is not None or losses.relaxation is not None
+    r["losses"], r["relieves"] = losses.any, losses.relief is not None
+    r["wall_1"], r["wall_2"], r["wall_3"] = hand.calibration.tendon.polynomial
+    if losses.relief is not None:
+        law = losses.relief.law
+        r["relief_thrust"], r["relief_spring"], r["relief_time"] = law.thrust_n, law.stiffness_n_per_m, law.time_s
     r["straight"], r["joint_qpos"], r["element"] = index.straight_length_m, index.joint_qpos, ELEMENT_OF_FINGER
     r["tendon"], r["pressure_ctrl"], r["loss_ctrl"] = index.tendon, index.pressure_ctrl, index.loss_ctrl
     r["leak_start"] = math.inf

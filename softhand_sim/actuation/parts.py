@@ -89,9 +89,9 @@ class Actuation(Protocol):
         ...
 
     def losses(self, world: int) -> LossState:
-        """Return slip and relaxation of a world's fingers; `set_losses` takes them back bit for bit."""
+        """Return slip, relaxation and relief of a world's fingers; `set_losses` takes them back bit for bit."""
         ...
 
     def set_losses(self, world: int, state: LossState) -> None:
-        """Put slip and relaxation of a world's fingers into a state."""
+        """Put slip, relaxation and relief of a world's fingers into a state."""
         ...

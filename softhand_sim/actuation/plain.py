@@ -21,7 +21,7 @@ class PlainActuation:
     def __init__(self, hand: HandParts, engine: EngineArrays) -> None:
         n = len(engine.ctrl)
         self._hand, self._engine = hand, engine
-        self._loses = hand.losses.sliding is not None or hand.losses.relaxation is not None
+        self._loses = hand.losses.any
         self._gas: list[PneumaticState | None] = [None] * n
         self._losses = [hand.losses.rest(np.zeros(len(FINGERS))) for _ in range(n)]
         self._played: Vector | None = None
@@ -45,7 +45,9 @@ class PlainActuation:
             elif hand.pneumatics is None or state is None:
                 pressure = spread_to_fingers(sets.tolist())
             else:
-                state = hand.pneumatics.step(state, self._volumes_m3(elongation), sets, dt)
+                state = hand.pneumatics.step(
+                    state, self._volumes_m3(elongation + self._losses[world].bulge_m), sets, dt
+                )
                 self._gas[world], pressure = state, hand.pneumatics.finger_pressures_pa_gauge(state)
             self.pressure_pa_gauge[world] = pressure
             engine.ctrl[world, hand.index.pressure_ctrl] = pressure

@@ -125,10 +125,13 @@ def run_trial(setup: TrialSetup, seed: int, watch: Callable[[HandSimulation], No
 
 def _advance(stage: Stage) -> None:
     simulation = stage.simulation
-    for _ in range(max(1, round(SAMPLE_S / simulation.dt))):
-        if stage.drive is not None:
+    steps = max(1, round(SAMPLE_S / simulation.dt))
+    if stage.drive is None:
+        simulation.advance(steps)
+    else:
+        for _ in range(steps):
             stage.drive()
-        simulation.step()
+            simulation.step()
     stage.recorder.sample(simulation)
 
 
