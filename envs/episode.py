@@ -140,8 +140,7 @@ class Episode:
         """Take the engine's steps of one action, as far as the coordinates are numbers; then `look`."""
         simulation = self.here.simulation
         try:
-            for _ in range(self.substeps):
-                simulation.step()
+            simulation.advance(self.substeps)
         except ValueError:
             # the gas refuses the volumes of a finger that is nowhere
             if np.isfinite(simulation.data.qpos).all():
