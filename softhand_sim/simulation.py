@@ -178,6 +178,10 @@ class HandSimulation:
             return self.set_pressure_pa_gauge
         return np.asarray(self._actuation.reading_pa_abs()[0] - self.pneumatics.ambient_pa_abs)
 
+    def valves_open(self) -> Vector:
+        """Which valves are open, inlet and outlet of each element, 1 or 0, shape (6,); zeros without pneumatics."""
+        return np.zeros(6) if self.pneumatics is None else np.asarray(self._actuation.valves_open()[0])
+
     def elongations_m(self) -> Vector:
         """Elongation of each finger's actuator, shape (5,): that at the start of the engine's last step."""
         return self.index.elongations_m(self.data.ten_length)
