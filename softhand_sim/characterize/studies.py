@@ -10,6 +10,7 @@ from softhand_sim.characterize.relief import relief
 from softhand_sim.characterize.report import Report
 from softhand_sim.characterize.tip_force import tip_force
 from softhand_sim.characterize.tip_load import tip_load
+from softhand_sim.characterize.weight import weight
 
 STUDIES: dict[str, Callable[[FingerCalibration, FingerEvidence], Report]] = {
     "pressure-angle": pressure_angle_report,
@@ -18,4 +19,5 @@ STUDIES: dict[str, Callable[[FingerCalibration, FingerEvidence], Report]] = {
     "hysteresis": hysteresis,
     "energy": energy,
     "relief": relief,
+    "weight": weight,
 }
