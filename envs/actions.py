@@ -26,7 +26,7 @@ class ActionMode(StrEnum):
 
 
 class Command(NamedTuple):
-    """A decoded action: the finger command, (3,), and the wrist's velocity [m/s] and rate [rad/s], (6,), or None.
+    """A decoded action: the finger command, (3,), and the wrist's velocity [m/s] and rate [rad/s], (w,), or None.
 
     ``fingers`` holds set pressures [Pa gauge], or the codes of `envs.valves` in the mode of bare valves.
     """
@@ -43,16 +43,14 @@ class ActionSpec:
     ----------
     mode
         What the first entries mean.
-    wrist
-        Whether six more entries move the wrist.
     wrist_rates
-        Wrist speed along x, y, z [m/s] and turning rate in yaw, pitch, roll [rad/s] of an entry of 1, (6,).
+        Wrist speed along x, y, z [m/s], and turning rate in yaw, pitch, roll [rad/s] if it may turn, of an entry of 1:
+        (w,) with w of 3 or 6; (0,) if actions do not move the wrist.
     table
         The controller's table, of the calibration that it knows.
     """
 
     mode: ActionMode
-    wrist: bool
     wrist_rates: Vector
     table: AngleTable
     space: spaces.Space[Any] = field(init=False)
@@ -60,21 +58,21 @@ class ActionSpec:
 
     def __post_init__(self) -> None:
         fingers = 2 * len(ELEMENTS) if self.mode is ActionMode.VALVE else len(ELEMENTS)
-        size = fingers + (6 if self.wrist else 0)
+        size = fingers + len(self.wrist_rates)
         object.__setattr__(self, "_size", size)
         # single precision: what learning libraries compute actions in
         box: spaces.Space[Any] = spaces.Box(-1.0, 1.0, (size,), dtype=np.float32)
-        if self.mode is ActionMode.VALVE and not self.wrist:
+        if self.mode is ActionMode.VALVE and not len(self.wrist_rates):
             box = spaces.MultiBinary(size)
         object.__setattr__(self, "space", box)
 
     @classmethod
     def of(
-        cls, calibration: FingerCalibration, mode: ActionMode, *, wrist: bool, speed_m_per_s: float, rate: float
+        cls, calibration: FingerCalibration, mode: ActionMode, *, wrist_axes: int, speed_m_per_s: float, rate: float
     ) -> "ActionSpec":
         """Return the layout for a controller that knows a finger's calibration; ``rate`` is in rad/s."""
-        rates = np.repeat([speed_m_per_s, rate], 3)
-        return cls(mode=mode, wrist=wrist, wrist_rates=rates, table=AngleTable.of(calibration))
+        rates = np.repeat([speed_m_per_s, rate], 3)[:wrist_axes]
+        return cls(mode=mode, wrist_rates=rates, table=AngleTable.of(calibration))
 
     def decode(self, action: npt.ArrayLike) -> Command:
         """Return what an action means.
@@ -86,7 +84,7 @@ class ActionSpec:
         """
         values = self._checked(action)
         if self.mode is ActionMode.VALVE:
-            opened = values[:6] > (0.0 if self.wrist else 0.5)
+            opened = values[:6] > (0.0 if len(self.wrist_rates) else 0.5)
             # a code an element: 1 for an open inlet, 2 for an open outlet (`envs.valves`)
             fingers = opened[0::2] + 2.0 * opened[1::2]
         elif self.mode is ActionMode.ANGLE:
@@ -95,7 +93,8 @@ class ActionSpec:
             fingers = np.interp(low + share * (high - low), self.table.angle_deg, self.table.pressure_pa_gauge)
         else:
             fingers = 0.5 * (values[:3] + 1.0) * self.table.pressure_pa_gauge[-1]
-        return Command(fingers, values[-6:] * self.wrist_rates if self.wrist else None)
+        axes = len(self.wrist_rates)
+        return Command(fingers, values[-axes:] * self.wrist_rates if axes else None)
 
     def _checked(self, action: npt.ArrayLike) -> Vector:
         try:

@@ -163,7 +163,7 @@ class EnvConfig:
         action = ActionSpec.of(
             settings.calibrations[0],
             ActionMode(self.action_mode),
-            wrist=self.wrist,
+            wrist_axes=task.wrist_axes if self.wrist else 0,
             speed_m_per_s=settings.anatomy.wrist_speed_m_per_s,
             rate=settings.anatomy.wrist_rate_rad_per_s,
         )

@@ -127,7 +127,8 @@ class Episode:
         if command.wrist is None:
             simulation.wrist_target = self.task.wrist_script(float(simulation.data.time))
         else:
-            target = simulation.wrist_reference + self.spec.control_period_s * command.wrist
+            target = simulation.wrist_reference.copy()
+            target[: len(command.wrist)] += self.spec.control_period_s * command.wrist
             simulation.wrist_target = np.minimum(np.maximum(target, _WRIST_RANGE[:, 0]), _WRIST_RANGE[:, 1])
 
     def judge(self, elapsed_s: float) -> tuple[float, bool, Info]:

@@ -33,6 +33,7 @@ class GraspTask:
 
     target: tuple[Field, ...] = ()
     options: tuple[str, ...] = ("goal_position_m",)
+    wrist_axes: int = 6
     goal_low: Vector = field(default_factory=lambda: np.full(3, -3.0))
     goal_high: Vector = field(default_factory=lambda: np.full(3, 3.0))
     lifted_s: float = 0.0

@@ -36,6 +36,9 @@ class SoftHandEnv(gymnasium.Env[Any, Any]):
         self._pictures = Pictures()
         self.action_space = spec.action.space
         self.observation_space = observation_space(config, spec.layout.space, task)
+        if config.mode is ObservationMode.GOAL:
+            # learning libraries take any environment that has this method for one with goals
+            self.compute_reward = self._goal_reward
 
     @property
     def episode(self) -> Episode:
@@ -80,12 +83,6 @@ class SoftHandEnv(gymnasium.Env[Any, Any]):
             self.render()
         return observation, reward, terminated, False, info
 
-    def compute_reward(self, achieved_goal: Vector, desired_goal: Vector, info: Any) -> Any:
-        """Return the sparse reward of goals (g,) or (n, g), for hindsight: 0 where reached, -1 elsewhere."""
-        del info
-        reward = self._episode.task.goal_reward(np.asarray(achieved_goal), np.asarray(desired_goal))
-        return float(reward) if reward.ndim == 0 else reward
-
     def save(self) -> Snapshot:
         """Return the episode's whole state, the generator's included; `load` goes on from it bit for bit.
 
@@ -119,6 +116,12 @@ class SoftHandEnv(gymnasium.Env[Any, Any]):
     def close(self) -> None:
         """Free windows and GL contexts."""
         self._pictures.close()
+
+    def _goal_reward(self, achieved_goal: Vector, desired_goal: Vector, info: Any) -> Any:
+        """Return the sparse reward of goals (g,) or (n, g), for hindsight: 0 where reached, -1 elsewhere."""
+        del info
+        reward = self._episode.task.goal_reward(np.asarray(achieved_goal), np.asarray(desired_goal))
+        return float(reward) if reward.ndim == 0 else reward
 
     def _observed(self) -> Any:
         vector = self._episode.observe()

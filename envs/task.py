@@ -31,6 +31,8 @@ class Task(Protocol):
         Fields of what is commanded in an episode, beside the fingers.
     options
         Options of ``reset`` that are this task's own.
+    wrist_axes
+        Of x, y, z, yaw, pitch, roll, how many an action may move: 3 or 6.
     goal_low, goal_high
         Bounds of a goal, (g,).
     """
@@ -40,6 +42,9 @@ class Task(Protocol):
 
     @property
     def options(self) -> tuple[str, ...]: ...  # noqa: D102
+
+    @property
+    def wrist_axes(self) -> int: ...  # noqa: D102
 
     @property
     def goal_low(self) -> Vector: ...  # noqa: D102

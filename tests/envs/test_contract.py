@@ -20,11 +20,12 @@ from softhand_sim.render import RenderUnavailableError
 ACTIONS = [(mode, wrist) for mode in ("pressure", "angle", "valve") for wrist in (True, False)]
 
 
+@pytest.mark.parametrize("env_id", [envs.GRASP_ENV_ID, envs.REORIENT_ENV_ID])
 @pytest.mark.parametrize("observation_mode", ["hardware", "state", "goal"])
 @pytest.mark.parametrize(("action_mode", "wrist"), ACTIONS)
-def test_gymnasiums_checker_finds_nothing(made, action_mode, wrist, observation_mode):
+def test_gymnasiums_checker_finds_nothing(made, env_id, action_mode, wrist, observation_mode):
     # pictures are checked below: a window needs a screen
-    env = made(action_mode=action_mode, wrist=wrist, observation_mode=observation_mode)
+    env = made(env_id, action_mode=action_mode, wrist=wrist, observation_mode=observation_mode)
     check_env(env, skip_render_check=True)
 
 

@@ -122,6 +122,6 @@ def test_hardware_is_the_first_part_of_the_state_and_its_readings_are_counts(mad
 
 @pytest.mark.parametrize("mode", [ActionMode.PRESSURE, ActionMode.ANGLE])
 def test_encoded_pressures_decode_to_themselves(calibration, mode):
-    spec = ActionSpec.of(calibration, mode, wrist=False, speed_m_per_s=0.1, rate=1.0)
+    spec = ActionSpec.of(calibration, mode, wrist_axes=0, speed_m_per_s=0.1, rate=1.0)
     wanted = np.array([0.0, 33e3, 80e3])
     assert spec.decode(encode_pressures(spec, wanted)).fingers == pytest.approx(wanted)
