@@ -10,7 +10,7 @@ import numpy as np
 from softhand_sim.calibration import FingerCalibration
 from softhand_sim.effects import BENCH, Effects
 from softhand_sim.effects.auto import Answer, choose
-from softhand_sim.effects.build import apply_to_model, build_losses, build_pneumatics
+from softhand_sim.effects.build import apply_to_contacts, apply_to_model, build_losses, build_pneumatics
 from softhand_sim.effects.scene import SceneFacts, Tolerance
 from softhand_sim.grasp.place import place_object
 from softhand_sim.grasp.protocol import GraspProtocol
@@ -69,6 +69,7 @@ def prepare(
     def add_object(root: Any) -> None:
         apply_to_model(effects, root)
         attach_object(root, model)
+        apply_to_contacts(effects, root)
 
     scene = build_scene(calibration, engine=engine, add_object=add_object)
     return TrialSetup(
@@ -131,10 +132,13 @@ def run_trial(setup: TrialSetup, seed: int, watch: Callable[[HandSimulation], No
 
 def _advance(stage: Stage) -> None:
     simulation = stage.simulation
-    for _ in range(max(1, round(SAMPLE_S / simulation.dt))):
-        if stage.drive is not None:
+    steps = max(1, round(SAMPLE_S / simulation.dt))
+    if stage.drive is None:
+        simulation.advance(steps)
+    else:
+        for _ in range(steps):
             stage.drive()
-        simulation.step()
+            simulation.step()
     stage.recorder.sample(simulation)
 
 
