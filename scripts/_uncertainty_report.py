@@ -64,7 +64,8 @@ def grasp_table(result: Mapping[str, Any]) -> str:
         body.append([name, "fingers within tolerance", _counts(drawn), _interval(drawn)])
         for source, one in own["scenarios"].items():
             rates = f"{one['lowest_rate']:.2f} to {one['highest_rate']:.2f}" if one["members"] else NONE
-            text = f"{source}: {len(one['members'])} scenarios"
+            number = len(one["members"])
+            text = f"{source}: {number} of {number + len(one['without_trials'])} scenarios"
             body.append([name, text, rates, _interval(one) if one["members"] else NONE])
         parts = ", ".join(f"{key} {100.0 * part:.0f} %" for key, part in drawn["variance_shares"].items())
         shares.append(f"{name}: variance within tolerance: {parts}")
