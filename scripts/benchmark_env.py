@@ -81,10 +81,9 @@ def _job(argv: Sequence[str] | None) -> int:
     if args.worlds > 0:
         data["vector"] = row = _vector(args)
         print(
-            "{worlds} worlds, {threads} threads: {vector:.0f} actions a second, {over_single:.2f} of one environment's "
-            "{single:.0f}, {over_batch:.2f} of the bare batch's {batch:.0f} ({over_batch_by_processor:.2f} by processor time)".format(
-                **row
-            )
+            f"{row['worlds']} worlds, {row['threads']} threads: {row['vector']:.0f} actions a second, "
+            f"{row['over_single']:.2f} of one environment's {row['single']:.0f}, {row['over_batch']:.2f} of the bare "
+            f"batch's {row['batch']:.0f} ({row['over_batch_by_processor']:.2f} by processor time)"
         )
     if args.seconds > 0.0:
         data["simulated_s_per_s"] = _free_running(made, args.seconds, args.seed)
