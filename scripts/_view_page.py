@@ -3,13 +3,14 @@
 PAGE = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><title>Soft hand</title>
 <style>
-body { font: 15px sans-serif; margin: 1em; display: flex; gap: 1.5em; flex-wrap: wrap }
+body { font: 15px sans-serif; margin: 1em; display: flex; gap: 1.5em }
+#side { width: 430px }
 img { width: 640px; height: 480px; background: #ddd }
 label { display: block; margin: .6em 0 } input { width: 320px; vertical-align: middle }
 canvas { border: 1px solid #999; display: block }
 </style></head><body>
 <div><img id="picture" alt="the hand"></div>
-<div>
+<div id="side">
 <div id="sliders"></div>
 <p>Pressures [kPa gauge] of the last 10 s: <span style="color:#0072b2">thumb</span>,
 <span style="color:#d55e00">index</span>, <span style="color:#009e73">middle, ring, little</span>; dashed: set</p>
