@@ -2,7 +2,7 @@
 
 Laws are carried over as ratios, of the torque at an angle or the tension at an elongation: nominal times member over
 the nominal finger of the member's mesh. The member itself, on its own mesh, is a tenth too stiff; the ratio is much
-nearer (docs/uncertainty.md has how near).
+nearer (docs/uncertainty.md has how near). A member whose path ended on its way up has no friction, on any mesh.
 """
 
 from collections.abc import Mapping
