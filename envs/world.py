@@ -11,13 +11,14 @@ import numpy as np
 import numpy.typing as npt
 
 from envs.draw import Draw
-from softhand_sim.calibration import FingerCalibration
+from softhand_sim.calibration import JOINTS, FingerCalibration
 from softhand_sim.contact import ContactSettings
 from softhand_sim.control.protocol import Controller
 from softhand_sim.effects import Effects
 from softhand_sim.effects.auto import choose
-from softhand_sim.effects.build import apply_to_model, build_losses, build_pneumatics
+from softhand_sim.effects.build import apply_to_contacts, apply_to_model, build_losses, build_pneumatics
 from softhand_sim.effects.scene import SceneFacts, Tolerance
+from softhand_sim.elements import FINGERS
 from softhand_sim.grasp.contacts import ContactMap
 from softhand_sim.hand.anatomy import HandAnatomy
 from softhand_sim.hand.scene import EngineSettings, build_scene
@@ -72,21 +73,21 @@ class World:
     def __post_init__(self) -> None:
         self.object = self.settings.objects[self.index[0]]
         self.calibration = self.settings.calibrations[self.index[1]]
+        self.rest_height_m = self.object.rest_height_m
         self.body = int(self.model.body("object").id)
         self.grasp_site = int(self.model.site("grasp").id)
         self.object_qpos = int(self.model.joint("object_joint").qposadr[0])
-        self.object_dof = int(self.model.joint("object_joint").dofadr[0])
-        self.joint_dofs = np.array([self.model.joint(i).dofadr[0] for i in self._finger_joints()])
         self.contacts = ContactMap.of(self.model)
         self._geoms = np.flatnonzero((self.model.geom_bodyid == self.body) & (self.model.geom_contype != 0))
+        mine = np.isin(self.model.pair_geom1, self._geoms) | np.isin(self.model.pair_geom2, self._geoms)
+        self._pairs = np.flatnonzero(mine)
         self._inertia = self.model.body_inertia[self.body] / self.object.mass_kg
         self.simulation = self._simulate(self.effects)
+        index, free = self.simulation.index, int(self.model.joint("object_joint").dofadr[0])
+        self.wrist_and_joint_qpos = np.concatenate([index.wrist_qpos, index.joint_qpos.ravel()])
+        joints = [self.model.joint(f"{f}_{j}").dofadr[0] for f in FINGERS for j in JOINTS]
+        self.joint_and_object_dof = np.array([*joints, *range(free, free + 6)])
         self._drawn = self._gas_of(Draw())
-
-    def _finger_joints(self) -> list[int]:
-        free = int(self.model.joint("object_joint").id)
-        names = [self.model.joint(i).name for i in range(self.model.njnt)]
-        return [i for i, name in enumerate(names) if i != free and not name.startswith("wrist_")]
 
     def _simulate(self, effects: Effects) -> HandSimulation:
         return HandSimulation(
@@ -117,7 +118,10 @@ class World:
             model.body_inertia[self.body] = mass * self._inertia
             # a data of its own: what follows from the masses is computed in the reference pose
             mujoco.mj_setConst(model, mujoco.MjData(model))
-        model.geom_friction[self._geoms] = ContactSettings().friction(self.friction(draw))
+        sliding, torsion, rolling = ContactSettings().friction(self.friction(draw))
+        model.geom_friction[self._geoms] = (sliding, torsion, rolling)
+        # soft pads have pairs of their own; their stiffness stays that for the object's own mass
+        model.pair_friction[self._pairs] = (sliding, sliding, torsion, rolling, rolling)
         if self._gas_of(draw) != self._drawn:
             self.simulation = self._simulate(draw.on(self.effects))
             self._drawn = self._gas_of(draw)
@@ -159,6 +163,7 @@ class Scenes:
         def add_object(root: Any) -> None:
             apply_to_model(effects, root)
             attach_object(root, model)
+            apply_to_contacts(effects, root)
 
         return build_scene(calibration, engine=s.engine, add_object=add_object).model, effects
 

@@ -15,8 +15,10 @@ from tqdm import tqdm
 
 from assets import asset_path
 from scripts import _cli
+from scripts._grasp_report import read_sweep, write_report
 from softhand_sim.benchmark.pictures import draw
 from softhand_sim.benchmark.plan import BenchmarkPlan
+from softhand_sim.benchmark.ray_engine import LOCAL
 from softhand_sim.benchmark.report import beyond_calibration, conditions, summarise, table, trial_rows
 from softhand_sim.benchmark.runner import in_order, run_benchmark
 from softhand_sim.benchmark.step_check import StepCheck, compare, drawn, finer, repeat
@@ -41,6 +43,8 @@ EXAMPLES = """examples:
   grasp_benchmark.py --trials 100 --workers 2 --store out/run.sqlite   # killed? the same line goes on
   grasp_benchmark.py --protocol six_forces                      # or a TOML file of your own
   grasp_benchmark.py --trials 10 --check-steps 300 --workers 2  # do verdicts depend on the time step?
+  grasp_benchmark.py --trials 100 --engine ray --ray-address auto --workers 64 --store out/run.sqlite
+  grasp_benchmark.py --trials 10 --report out/grasps.html --sweeps out/mass/sweep.json
 An object that cannot be loaded is set aside, the rest of the run goes on; the exit status is then 1.
 """
 
@@ -67,6 +71,10 @@ def parser() -> _cli.Parser:
     )
     p.add_argument("--trials", type=_cli.positive_int, default=20, help="trials per object (default 20)")
     p.add_argument("--workers", type=_cli.positive_int, default=1, help="processes side by side (default 1)")
+    text = "who runs the trials: processes of this machine, or a Ray cluster, an extra (default local)"
+    p.add_argument("--engine", choices=("local", "ray"), default="local", help=text)
+    text = "of the cluster, such as 10.0.0.1:6379 or auto (default: a cluster of its own on this machine)"
+    p.add_argument("--ray-address", metavar="ADDRESS", help=text)
     p.add_argument(
         "--store", type=Path, metavar="FILE", help="SQLite file that keeps each trial; a killed run goes on from there"
     )
@@ -79,6 +87,9 @@ def parser() -> _cli.Parser:
     )
     p.add_argument("--calibration", type=Path, help="finger calibration (default: the shipped one)")
     p.add_common(seed="seed of the first trial", json="write settings, summary and every trial to this file")
+    p.add_argument("--report", type=Path, metavar="HTML", help="write a web page: table, films, histograms, provenance")
+    text = "results of grasp_sweep.py that the report shows"
+    p.add_argument("--sweeps", type=Path, nargs="+", default=[], metavar="JSON", help=text)
     p.add_argument("--pictures", type=Path, default=Path("out/grasps"), help="folder (default out/grasps)")
     p.add_argument("--no-pictures", action="store_true", help="draw nothing")
     return p
@@ -93,6 +104,11 @@ def _job(argv: Sequence[str] | None) -> int:
     args = parser().parse_args(argv)
     _cli.check_writable(args.json)
     _cli.check_writable(args.store, "--store")
+    _cli.check_writable(args.report, "--report")
+    if args.sweeps and args.report is None:
+        raise ValueError(f"--sweeps {args.sweeps[0]}: needs --report")
+    sweeps = [read_sweep(path) for path in args.sweeps]
+    _ray_address(args)
     if args.check_steps and args.timestep < 0.4:
         raise ValueError(f"--check-steps: a quarter of --timestep {args.timestep:g} ms is below 0.1 ms")
     args.protocol = load_protocol(args.protocol)
@@ -107,7 +123,7 @@ def _job(argv: Sequence[str] | None) -> int:
     )
     total = len(plan.objects) * plan.trials
     with nullcontext() if args.store is None else TrialStore(args.store, plan) as store:
-        running = run_benchmark(plan, args.workers, store)
+        running = run_benchmark(plan, args.workers, store, ray_address=_ray_address(args))
         results = in_order(plan, list(tqdm(running, total=total, desc="trials", unit="trial")))
     check = None if args.check_steps is None else _step_check(plan, results, args)
     summary = summarise(results)
@@ -125,6 +141,9 @@ def _job(argv: Sequence[str] | None) -> int:
         data: dict[str, Any] = {"settings": _settings(args), "not_tried": dict(batch.failures), "notes": notes}
         data["step_check"] = None if check is None else check.data()
         _cli.write_json(args.json, {**data, "objects": summary, "trials": trial_rows(results)})
+    if args.report is not None:
+        write_report(args.report, plan, results, batch, settings=_settings(args), sweeps=sweeps, check=check)
+        print(f"report: {args.report}")
     if not args.no_pictures:
         try:
             files = draw(plan, results, args.pictures)
@@ -134,12 +153,20 @@ def _job(argv: Sequence[str] | None) -> int:
     return _cli.INCOMPLETE if batch.failures else 0
 
 
+def _ray_address(args: argparse.Namespace) -> str | None:
+    if args.engine == "ray":
+        return LOCAL if args.ray_address is None else str(args.ray_address)
+    if args.ray_address is not None:
+        raise ValueError(f"--ray-address {args.ray_address}: needs --engine ray")
+    return None
+
+
 def _step_check(plan: BenchmarkPlan, results: Sequence[TrialResult], args: argparse.Namespace) -> StepCheck:
     """Repeat some trials with the finer engine; with a store, they are kept in one beside it."""
     keys = drawn(results, args.check_steps, args.seed)
     path = None if args.store is None else args.store.with_name(f"{args.store.name}.steps")
     with nullcontext() if path is None else TrialStore(path, finer(plan)) as store:
-        running = repeat(plan, keys, args.workers, store)
+        running = repeat(plan, keys, args.workers, store, _ray_address(args))
         return compare(results, list(tqdm(running, total=len(keys), desc="step check", unit="trial")))
 
 

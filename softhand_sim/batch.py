@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from softhand_sim.actuation import EngineArrays, HandParts, prepare_actuation, wrist_mover
 from softhand_sim.calibration import FingerCalibration
-from softhand_sim.calibration.limits import CalibratedRange, RangeWatches
+from softhand_sim.calibration.limits import CalibratedRange, RangeWatch, RangeWatches
 from softhand_sim.hand.anatomy import HandAnatomy
 from softhand_sim.hand.index import HandIndex
 from softhand_sim.losses import Losses
@@ -33,6 +33,7 @@ class HandBatch:
     wrist_target, wrist_reference: shape (n, 6), as in `HandSimulation`; write to them in place.
     set_pressure_pa_gauge: wanted pressures (Pa), shape (n, 3); write to it in place.
     pneumatics, losses: as in `HandSimulation`, the same for all worlds.
+    persistent: whether the engine keeps a whole ``MjData`` of each world, so that ``engine.get_data`` shows contacts.
     """
 
     model: mujoco.MjModel
@@ -42,6 +43,7 @@ class HandBatch:
     threads: int = 0
     anatomy: HandAnatomy = field(default_factory=HandAnatomy)
     losses: Losses | None = None
+    persistent: bool = False
 
     def __post_init__(self) -> None:
         if self.worlds < 1:
@@ -49,7 +51,7 @@ class HandBatch:
         n = self.worlds
         self.index = HandIndex.of(self.model)
         self.dt = float(self.model.opt.timestep)
-        self.engine = mujoco.batch.Batch(self.model, n, nthread=self.threads)
+        self.engine = mujoco.batch.Batch(self.model, n, nthread=self.threads, persistent=self.persistent)
         self._qpos, self._ctrl, self._time = (self.engine.bind(name) for name in ("qpos", "ctrl", "time"))
         arrays = EngineArrays(ten_length=self.engine.bind("ten_length"), qpos=self._qpos, ctrl=self._ctrl)
         self.losses = losses = Losses.of(self.calibration) if self.losses is None else self.losses
@@ -133,6 +135,10 @@ class HandBatch:
         """Whether the engine reported an instability of a world or a coordinate of it is not finite, shape (n,)."""
         warned = (self.engine.warning[:, [int(kind) for kind in INSTABILITY], 1] > 0).any(axis=1)
         return np.asarray(warned | ~np.isfinite(self._qpos).all(axis=1))
+
+    def range_watch(self, world: int) -> RangeWatch:
+        """Return what a world showed since its reset: a copy."""
+        return self._watch.of_world(world)
 
     def beyond_calibration(self, world: int) -> dict[str, float]:
         """Return what went beyond the calibrated range in a world since its reset (`RangeWatch.beyond`)."""

@@ -42,6 +42,7 @@ class CompiledActuation:
         self._compile()
         self._pressure: Vector = self._worlds["gas"][:, GAS_PRESSURE, :MANIFOLDS]
         self._reading: Vector = self._worlds["reading"]
+        self._open: npt.NDArray[np.uint8] = self._worlds["open"]
         self.set_pa_gauge: Vector = self._worlds["set"]
         self.pressure_pa_gauge: Vector = self._worlds["pressure"]
 
@@ -96,6 +97,10 @@ class CompiledActuation:
     def reading_pa_abs(self) -> Vector:
         """Return the last readings."""
         return np.array(self._reading)
+
+    def valves_open(self) -> Vector:
+        """Return which valves are open."""
+        return np.array(self._open, dtype=np.float64)
 
     def gas(self, world: int) -> PneumaticState | None:
         """Return a world's gas, valves and control."""

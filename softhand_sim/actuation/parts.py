@@ -76,6 +76,10 @@ class Actuation(Protocol):
         """Return the last readings of the sensors [Pa abs], (n, 3); there has to be gas."""
         ...
 
+    def valves_open(self) -> Vector:
+        """Return which valves are open, inlet and outlet of each element, 1 or 0, (n, 6); there has to be gas."""
+        ...
+
     def gas(self, world: int) -> PneumaticState | None:
         """Return a world's gas, valves and control, None without pneumatics; `set_gas` takes it back bit for bit."""
         ...

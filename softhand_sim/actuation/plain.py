@@ -74,6 +74,11 @@ class PlainActuation:
         """Return the last readings."""
         return np.array([state.readings_pa_abs for state in self._gas if state is not None])
 
+    def valves_open(self) -> Vector:
+        """Return which valves are open."""
+        rows = [[valve for pair in state.valves for valve in pair] for state in self._gas if state is not None]
+        return np.array(rows, dtype=np.float64)
+
     def gas(self, world: int) -> PneumaticState | None:
         """Return a world's gas."""
         return self._gas[world]

@@ -7,6 +7,7 @@ import hashlib
 import json
 import sqlite3
 from collections.abc import Iterator
+from contextlib import closing
 from dataclasses import asdict, fields
 from importlib.metadata import version
 from pathlib import Path
@@ -109,14 +110,39 @@ class TrialStore:
         self.close()
 
 
+def read_store(path: Path) -> tuple[dict[str, Any], list[TrialResult]]:
+    """Return the conditions and the trials, by object and seed, of a store, which may be in use.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    ValueError
+        If it is no store.
+    """
+    if not path.is_file():
+        raise FileNotFoundError(f"no store at {path}")
+    try:
+        with closing(sqlite3.connect(f"{path.resolve().as_uri()}?mode=ro", uri=True)) as base:
+            found = base.execute("SELECT text FROM conditions").fetchone()
+            texts = base.execute("SELECT result FROM trials ORDER BY object, seed").fetchall()
+    except sqlite3.DatabaseError as error:
+        raise ValueError(f"{path}: not a store of trials ({error})") from error
+    if found is None:
+        raise ValueError(f"{path}: not a store of trials (it names no conditions)")
+    return json.loads(found[0]), [_result(json.loads(text)) for (text,) in texts]
+
+
 def conditions(plan: BenchmarkPlan) -> dict[str, Any]:
     """Return what, beside object and seed, decides a trial's result."""
     file = plan.calibration or asset_path("calibration", "finger.json")
+    control = {} if plan.control is None else {"control_sha256": hashlib.sha256(plan.control.read_bytes()).hexdigest()}
     return {
         "protocol": repr(plan.protocol),
         "engine": asdict(plan.engine),
         "effects": repr(plan.effects),
         "calibration_sha256": hashlib.sha256(file.read_bytes()).hexdigest(),
+        **control,
         "mujoco_version": version("mujoco"),
         "numpy_version": version("numpy"),
         "softhand_sim_version": version("softhand-sim"),

@@ -55,6 +55,16 @@ class RangeWatch:
         np.maximum(self._high, joint_angle_rad, out=self._high)
         np.minimum(self._low, joint_angle_rad, out=self._low)
 
+    def passed(self) -> bool:
+        """Return whether anything went beyond the calibrated range: what `beyond` would name, without the names."""
+        highest, joint_rad = self.limits.pressure_pa_gauge, self.limits.joint_angle_rad
+        return bool(
+            self._set.max() > highest + SET_PRESSURE_MARGIN_PA
+            or self._pressure.max() > highest + PRESSURE_MARGIN_PA
+            or self._low.min() < -ANGLE_MARGIN_RAD
+            or (self._high > joint_rad + ANGLE_MARGIN_RAD).any()
+        )
+
     def beyond(self) -> dict[str, float]:
         """Return what went beyond the calibrated range: the extreme value (Pa gauge or rad) by name, none if empty."""
         found: dict[str, float] = {}
