@@ -17,7 +17,8 @@ from softhand_sim.grasp.protocol import GraspProtocol
 from softhand_sim.grasp.protocol_file import load_protocol
 from softhand_sim.grasp.record import Recorder
 from softhand_sim.grasp.result import TrialResult, result_of
-from softhand_sim.grasp.scripted import GraspPlan, plan_grasp
+from softhand_sim.grasp.plan import GraspPlan
+from softhand_sim.grasp.scripted import plan_grasp
 from softhand_sim.grasp.stage import SAMPLE_S, Stage
 from softhand_sim.hand.scene import EngineSettings, Scene, build_scene
 from softhand_sim.losses import Losses
