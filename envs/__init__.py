@@ -2,7 +2,17 @@
 
 import gymnasium
 
-# 200 steps of 50 ms: the scripted grasp needs about 8 s
-gymnasium.register(id="SoftHandGrasp-v0", entry_point="envs.grasp:SoftHandGraspEnv", max_episode_steps=200)
+from envs.grasp import SoftHandGraspEnv
+from envs.reorient import SoftHandReorientEnv
 
 GRASP_ENV_ID = "SoftHandGrasp-v0"
+"""Reach, close, lift, hold."""
+
+REORIENT_ENV_ID = "SoftHandReorient-v0"
+"""Turn a bar on the table by pressing its ends with different fingers."""
+
+# 250 steps of 40 ms: the scripted grasp needs about 8 s
+gymnasium.register(id=GRASP_ENV_ID, entry_point="envs.grasp:SoftHandGraspEnv", max_episode_steps=250)
+gymnasium.register(id=REORIENT_ENV_ID, entry_point="envs.reorient:SoftHandReorientEnv", max_episode_steps=250)
+
+__all__ = ["GRASP_ENV_ID", "REORIENT_ENV_ID", "SoftHandGraspEnv", "SoftHandReorientEnv"]

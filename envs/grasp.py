@@ -1,244 +1,126 @@
 """``SoftHandGrasp-v0``: reach, close, lift, hold."""
 
-from pathlib import Path
 from typing import Any
 
-import gymnasium
-import numpy as np
-import numpy.typing as npt
-from gymnasium import spaces
-from scipy.spatial.transform import Rotation
-
-from envs.spaces import ACTION_SIZE, Vector, checked_action, observation_bounds, pack
-from softhand_sim.calibration import load_calibration
-from softhand_sim.grasp.place import place_object
-from softhand_sim.grasp.protocol_file import load_protocol
-from softhand_sim.grasp.scripted import plan_grasp
-from softhand_sim.hand.hand import HINGE_RANGE_RAD, SLIDE_RANGE_M
-from softhand_sim.hand.scene import build_scene
-from softhand_sim.objects.catalogue import make_object
-from softhand_sim.objects.mjcf import attach_object
-from softhand_sim.objects.model import ObjectModel
-from softhand_sim.render import Camera
-from softhand_sim.simulation import HandSimulation, default_pneumatics
-
-CONTROL_S = 0.05
-LIFTED_M = 0.10
-HELD_S = 1.0
-OUT_OF_REACH_M = 0.5
-RESET_OPTIONS = ("object_offset_m", "object_yaw_rad")
+from envs.config import EnvConfig
+from envs.grasp_task import GraspTask
+from envs.hand_env import SoftHandEnv
 
 
-class SoftHandGraspEnv(gymnasium.Env[Vector, Vector]):
+class SoftHandGraspEnv(SoftHandEnv):
     """Grasp an object that stands on a table, lift it and hold it.
 
-    ## Action space: ``Box(-1, 1, (9,), float64)``, one every 50 ms
+    ## Action space: one action every 40 ms, two ticks of the valves' controller
 
-    | index | meaning | MJCF name | -1 | +1 |
-    |---|---|---|---|---|
-    | 0 | set pressure, thumb | `thumb_pressure` | 0 Pa | 80 kPa gauge |
-    | 1 | set pressure, index | `index_pressure` | 0 Pa | 80 kPa gauge |
-    | 2 | set pressure, middle + ring + little | `middle_pressure` ... | 0 Pa | 80 kPa gauge |
-    | 3, 4, 5 | wrist velocity along x, y, z | `wrist_x`, `wrist_y`, `wrist_z` | -0.1 m/s | 0.1 m/s |
-    | 6, 7, 8 | turning rate in yaw, pitch, roll | `wrist_yaw`, `wrist_pitch`, `wrist_roll` | -1 rad/s | 1 rad/s |
+    ``action_mode="pressure"`` (default) or ``"angle"``: ``Box(-1, 1, (9,), float32)``, or ``(3,)`` with
+    ``wrist=False``.
 
-    Set pressures go to the ON-OFF controller, which switches valves at 50 Hz; the highest is the end of the finger
-    calibration's curve. The wrist's path is limited to 0.1 m/s in all, as in the paper.
+    | index | meaning | MJCF name | -1 | +1 (pressure) | +1 (angle) |
+    |---|---|---|---|---|---|
+    | 0 | thumb | `thumb_pressure` | 0 | 80 kPa gauge | 104 degrees |
+    | 1 | index | `index_pressure` | 0 | 80 kPa gauge | 104 degrees |
+    | 2 | middle, ring, little together | `middle_pressure` ... | 0 | 80 kPa gauge | 104 degrees |
+    | 3, 4, 5 | wrist velocity along x, y, z | `wrist_x`, `wrist_y`, `wrist_z` | -0.1 m/s | 0.1 m/s | 0.1 m/s |
+    | 6, 7, 8 | turning rate in yaw, pitch, roll | `wrist_yaw` ... | -1 rad/s | 1 rad/s | 1 rad/s |
 
-    ## Observation space: ``Box(35,), float64``, clipped to its bounds
+    Both are set values of the ON-OFF controller, which switches the valves at 50 Hz; an angle is turned to a
+    pressure by the controller's table. Upper ends are those of the finger calibration's curve (the first
+    calibration's, if there are several). The wrist's path is limited to ``wrist_speed_m_per_s`` in all.
+
+    ``action_mode="valve"``: the six valves themselves, ``MultiBinary(6)`` with ``wrist=False``; else ``Box(-1, 1,
+    (12,), float32)``, where a valve is open while its value is above 0.
+
+    | index | meaning | |
+    |---|---|---|
+    | 0, 1 | inlet, outlet of the thumb | open or shut from the next tick on |
+    | 2, 3 | inlet, outlet of the index | |
+    | 4, 5 | inlet, outlet of middle, ring, little | |
+    | 6 - 11 | wrist, as 3 - 8 above | |
+
+    Nothing then keeps a pressure from rising to the supply's 150 kPa; a finger is pushed by at most its calibrated
+    80 kPa, and ``info["beyond_calibration"]`` tells. With ``wrist=False`` the wrist goes the paper protocol's way:
+    50 mm to the object, a stop of 2.8 s in which the fingers may close, 150 mm up, and stays.
+
+    ## Observation space
+
+    ``observation_mode="state"`` (default): ``Box(67,)``; ``"hardware"``: its first 15; float64, clipped to the
+    bounds.
 
     | index | meaning | MJCF name | unit | range |
     |---|---|---|---|---|
-    | 0 - 2 | sensor reading per element (thumb; index; middle + ring + little) | - | kPa gauge | -82 to 150 |
-    | 3 - 5 | set pressure per element | - | kPa gauge | 0 to 150 |
-    | 6 - 8 | wrist position x, y, z | `wrist_x` ... | m | -1 to 1 |
-    | 9 - 11 | wrist yaw, pitch, roll | `wrist_yaw` ... | rad | -4 to 4 |
-    | 12 - 26 | joint angles, thumb to little, proximal to distal each | `thumb_proximal` ... | rad | -2 to 3 |
-    | 27 - 29 | object's mass centre in the palm's frame | `object` | m | -3 to 3 |
-    | 30 - 33 | object's orientation in the palm's frame, quaternion w, x, y, z with w >= 0 | `object` | 1 | -1 to 1 |
-    | 34 | object's height above its rest on the table | `object` | m | -3 to 3 |
+    | 0 - 2 | sensor reading of each element, quantised, of the last tick | - | kPa gauge | -82 to 150 |
+    | 3 - 8 | valve open: inlet and outlet of each element | - | 1 | 0 or 1 |
+    | 9 - 11 | wrist position x, y, z | `wrist_x` ... | m | -1 to 1 |
+    | 12 - 14 | wrist yaw, pitch, roll | `wrist_yaw` ... | rad | -4.5 to 4.5 |
+    | 15 - 17 | set pressure of each element (in valve mode a code over 1000) | - | kPa gauge | 0 to 150 |
+    | 18 - 20 | true pressure of each element at its sensor | - | kPa gauge | -101 to 150 |
+    | 21 - 35 | joint angles, thumb to little, proximal to distal each | `thumb_proximal` ... | rad | -2 to 3 |
+    | 36 - 50 | joint velocities, likewise | `thumb_proximal` ... | rad/s | -100 to 100 |
+    | 51 - 53 | object's mass centre in the palm's frame | `object` | m | -3 to 3 |
+    | 54 - 57 | object's orientation in the palm's frame, quaternion w, x, y, z with w >= 0 | `object` | 1 | -1 to 1 |
+    | 58 - 60 | object's velocity in the world | `object_joint` | m/s | -10 to 10 |
+    | 61 - 63 | object's angular velocity in its own frame | `object_joint` | rad/s | -100 to 100 |
+    | 64 | object's height above its rest on the table | `object` | m | -3 to 3 |
+    | 65, 66 | object's mass; its friction coefficient | `object` | kg; 1 | 0 to 100; 0 to 10 |
 
-    Indices 12 to 34 are privileged: the real hand has no such sensors.
+    The real hand and arm have sensors for 0 - 14 alone. Elements are thumb; index; middle + ring + little.
+
+    ``observation_mode="goal"``: a dict with the 67 values as ``observation``, and ``achieved_goal`` and
+    ``desired_goal``: the object's position and the one wanted [m], (3,) each, for hindsight (`compute_reward`).
+    ``camera=(h, w)`` adds a picture ``camera``, uint8 (h, w, 3), from MJCF camera `front`, and makes a dict of the
+    other modes too.
 
     ## Reward, each step
 
-    ``reach + lift + success``: ``reach = 1 - tanh(10 d)``, d the distance (m) from the object's centre to the point
-    between the fingers (site `grasp`); ``lift = 3 clip(h / 0.1, 0, 1)``, h the object's height (m);
-    ``success = 1`` while the object is held. All weights are choices.
+    | term in ``info`` | value |
+    |---|---|
+    | ``reward_reach`` | 1 - tanh(10 d), d the distance [m] from the object's centre to the site `grasp` |
+    | ``reward_touch`` | 0.25 while thumb or palm touch the object, and 0.25 while another finger does |
+    | ``reward_lift`` | 3 clip(h / 0.1, 0, 1), h the object's height [m] |
+    | ``reward_hold`` | 1 while the task is solved |
+
+    The reward is their sum; the weights are choices. In goal mode it is 0 while the object is within 20 mm of the
+    goal, else -1; the goal lies 50 to 150 mm above the object's place and up to 50 mm beside it along x and y.
 
     ## Success, termination, truncation
 
-    ``info["is_success"]``: the object has been at least 0.1 m above its rest for 1 s without a break, and its mass
-    centre within 0.15 m of that point. The episode terminates when the object is more than 0.5 m from its start or
-    the simulation diverges (``info["diverged"]``), and is truncated after 200 steps (10 s).
+    ``info["is_success"]``: the object has been at least 0.1 m above its rest for 1 s without a break, with its
+    centre within 0.15 m of `grasp`; in goal mode, it is at the goal. The episode terminates when the object is more
+    than 0.5 m from its start, or the simulation diverges (``info["diverged"]``; the observation is then zero); it
+    is truncated after 250 steps (10 s). ``info["engine_warnings"]`` holds the engine's warnings by name, with their
+    number.
 
-    ``info["beyond_calibration"]`` tells that a joint angle or a pressure has left the range that the finger was
-    calibrated in since the start, so that its torque is extrapolated (a pressure: cut).
+    ## Start and randomisation
 
-    ## Start
+    The hand stands open 50 mm before the scripted grasp of the object as it would lie without displacement.
 
-    The hand stands open above the scripted grasp pose; the object lies up to 10 mm and 10 degrees off its place
-    (uniform, from the seed). ``reset(options=...)`` takes ``object_offset_m`` (x, y) and ``object_yaw_rad``.
+    | quantity | ``place`` (default) | ``domain`` | option of ``reset`` that fixes it |
+    |---|---|---|---|
+    | object | any of ``objects`` | same | ``object``: name |
+    | material pair | any of ``calibrations`` | same | ``calibration``: index |
+    | object's displacement x, y | 10 mm each | same | ``object_offset_m``: (x, y) |
+    | object's turn | 10 degrees | same | ``object_yaw_rad`` |
+    | object's mass | its own | 0.8 to 1.25 of it | ``mass_kg`` |
+    | object's friction | its own | 0.5 to 1 | ``friction`` |
+    | leak of one finger | none | in a tenth of the episodes | ``leak``: None or finger and sonic conductance |
+    | valves' flow | their own | half to twice | ``valve_flow_ratio`` |
+    | sensors' error | none | +-3.45 kPa | ``sensor_offset_pa`` |
+    | goal | see above | same | ``goal_position_m``: (x, y, z) |
+
+    ``randomization="none"`` leaves all as it is; an `envs.randomization.Randomization` sets ranges. ``info`` of
+    ``reset`` tells what was drawn. Everything comes from the seed: equal seeds give equal episodes, bit for bit, in
+    any process.
 
     ## Arguments
 
-    ``object_name`` (catalogue name, default ``apple``) or ``object_model`` (any `ObjectModel`, e.g. from
-    `load_mesh_object`); ``calibration`` (path, default the shipped one); ``render_mode`` (None or ``rgb_array``).
+    ``render_mode`` (None, ``human``, ``rgb_array``, ``depth_array``) and those of `envs.config.EnvConfig`, all
+    keywords: ``objects``, ``action_mode``, ``wrist``, ``wrist_speed_m_per_s``, ``observation_mode``, ``camera``,
+    ``randomization``, ``effects``, ``tolerance``, ``engine``, ``calibrations``, ``control_period_s``.
 
     ## Version history
 
     v0: first version.
     """
 
-    metadata: dict[str, Any] = {  # noqa: RUF012 - Gymnasium declares it so
-        "render_modes": ["rgb_array"],
-        "render_fps": round(1.0 / CONTROL_S),
-    }
-
-    def __init__(
-        self,
-        *,
-        render_mode: str | None = None,
-        object_name: str = "apple",
-        object_model: ObjectModel | None = None,
-        calibration: Path | None = None,
-    ) -> None:
-        if render_mode not in (None, *self.metadata["render_modes"]):
-            raise ValueError(f"render_mode: {render_mode!r} must be None or one of {self.metadata['render_modes']}")
-        self.render_mode = render_mode
-        self._object = make_object(object_name) if object_model is None else object_model
-        finger = load_calibration(calibration)
-        scene = build_scene(finger, add_object=lambda root: attach_object(root, self._object))
-        self._simulation = HandSimulation(model=scene.model, calibration=finger, pneumatics=default_pneumatics(finger))
-        self._protocol = load_protocol()
-        self._start = plan_grasp(self._object).standoff(self._protocol.approach_m)
-        self._highest_pa = float(finger.curve.pressure_pa_gauge[-1])
-        self._body = int(scene.model.body("object").id)
-        self._site = int(scene.model.site("grasp").id)
-        self._substeps = round(CONTROL_S / self._simulation.dt)
-        self._camera: Camera | None = None
-        self._lifted_s = 0.0
-        low, high = observation_bounds()
-        self.observation_space = spaces.Box(low, high, dtype=np.float64)
-        self.action_space = spaces.Box(-1.0, 1.0, (ACTION_SIZE,), dtype=np.float64)
-
-    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Vector, dict[str, Any]]:
-        """Start a new episode; see the class for `options`.
-
-        Raises
-        ------
-        ValueError
-            If an option is unknown or not finite.
-        """
-        super().reset(seed=seed)
-        x, y, yaw = self._offset(options or {})
-        self._simulation.reset(self.np_random, self._start)
-        place_object(self._simulation, self._object.rest_height_m, (x, y, yaw))
-        self._home = self._simulation.data.xpos[self._body].copy()
-        self._lifted_s = 0.0
-        return self._observation(), self._info()
-
-    def step(self, action: npt.ArrayLike) -> tuple[Vector, float, bool, bool, dict[str, Any]]:
-        """Advance by 50 ms.
-
-        Raises
-        ------
-        ValueError
-            If the action has a wrong shape or a value that is no number in [-1, 1]; nothing was advanced.
-        """
-        values = checked_action(action)
-        simulation = self._simulation
-        simulation.set_pressure_pa_gauge = 0.5 * (values[:3] + 1.0) * self._highest_pa
-        rates = np.repeat([simulation.anatomy.wrist_speed_m_per_s, simulation.anatomy.wrist_rate_rad_per_s], 3)
-        limits = np.array([*SLIDE_RANGE_M, *[HINGE_RANGE_RAD] * 3])
-        target = simulation.wrist_reference + values[3:] * rates * CONTROL_S
-        simulation.wrist_target = np.clip(target, limits[:, 0], limits[:, 1])
-        for _ in range(self._substeps):
-            simulation.step()
-        if simulation.diverged:
-            return self._lost()
-        self._lifted_s = self._lifted_s + CONTROL_S if self._in_hand() else 0.0
-        away = float(np.linalg.norm(simulation.data.xpos[self._body] - self._home))
-        return self._observation(), self._reward(), away > OUT_OF_REACH_M, False, self._info()
-
-    def render(self) -> npt.NDArray[np.uint8] | None:
-        """Return an RGB picture, shape (480, 640, 3), uint8; None without ``render_mode="rgb_array"``.
-
-        Raises
-        ------
-        RenderUnavailableError
-            If this machine has no OpenGL library; the message says what to install.
-        """
-        if self.render_mode is None:
-            return None
-        if self._camera is None:
-            self._camera = Camera(self._simulation.model)
-        return self._camera.picture(self._simulation.data, "front")
-
-    def close(self) -> None:
-        """Free the GL context."""
-        if self._camera is not None:
-            self._camera.close()
-            self._camera = None
-
-    def _offset(self, options: dict[str, Any]) -> tuple[float, float, float]:
-        unknown = sorted(set(options) - set(RESET_OPTIONS))
-        if unknown:
-            raise ValueError(f"options: {unknown} unknown, must be among {list(RESET_OPTIONS)}")
-        # drawn in any case, so that fixing one quantity leaves the others as the seed has them
-        x, y, yaw = self._protocol.draw_offset(self.np_random)
-        x, y = options.get("object_offset_m", (x, y))
-        yaw = options.get("object_yaw_rad", yaw)
-        if not np.isfinite([x, y, yaw]).all():
-            raise ValueError(f"options: offset {(x, y)} m and yaw {yaw} rad must be finite")
-        return float(x), float(y), float(yaw)
-
-    def _height_m(self) -> float:
-        return float(self._simulation.data.xpos[self._body, 2]) - self._object.rest_height_m
-
-    def _distance_m(self) -> float:
-        data = self._simulation.data
-        return float(np.linalg.norm(data.xpos[self._body] - data.site_xpos[self._site]))
-
-    def _in_hand(self) -> bool:
-        return self._height_m() >= LIFTED_M and self._distance_m() <= 0.15
-
-    def _reward(self) -> float:
-        reach = 1.0 - np.tanh(10.0 * self._distance_m())
-        lift = 3.0 * float(np.clip(self._height_m() / LIFTED_M, 0.0, 1.0))
-        return float(reach + lift + float(self._lifted_s >= HELD_S))
-
-    def _info(self) -> dict[str, Any]:
-        return {
-            "is_success": self._lifted_s >= HELD_S,
-            "object_height_m": self._height_m(),
-            "diverged": False,
-            "beyond_calibration": bool(self._simulation.range_watch.beyond()),
-        }
-
-    def _lost(self) -> tuple[Vector, float, bool, bool, dict[str, Any]]:
-        low, high = observation_bounds()
-        beyond = bool(self._simulation.range_watch.beyond())
-        info = {"is_success": False, "object_height_m": 0.0, "diverged": True, "beyond_calibration": beyond}
-        return np.clip(np.zeros_like(low), low, high), 0.0, True, False, info
-
-    def _observation(self) -> Vector:
-        simulation = self._simulation
-        position, rotation = simulation.in_palm_frame(self._body)
-        return pack(
-            {
-                "pressure_reading_kpa_gauge": simulation.reading_pa_gauge() / 1e3,
-                "set_pressure_kpa_gauge": simulation.set_pressure_pa_gauge / 1e3,
-                "wrist_position_m": simulation.data.qpos[simulation.index.wrist_qpos[:3]],
-                "wrist_angle_rad": simulation.data.qpos[simulation.index.wrist_qpos[3:]],
-                "joint_angle_rad": simulation.data.qpos[simulation.index.joint_qpos],
-                "object_position_in_palm_m": position,
-                "object_quaternion_in_palm": canonical_quaternion(rotation),
-                "object_height_m": self._height_m(),
-            }
-        )
-
-
-def canonical_quaternion(rotation: Vector) -> Vector:
-    """Return the unit quaternion w, x, y, z with w >= 0 of a rotation matrix, shape (4,)."""
-    return np.asarray(Rotation.from_matrix(rotation).as_quat(canonical=True, scalar_first=True))
+    def __init__(self, *, render_mode: str | None = None, **config: Any) -> None:
+        super().__init__(GraspTask(), EnvConfig(**config), render_mode)

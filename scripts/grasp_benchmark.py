@@ -19,8 +19,10 @@ from softhand_sim.benchmark.pictures import draw
 from softhand_sim.benchmark.plan import BenchmarkPlan
 from softhand_sim.benchmark.report import beyond_calibration, conditions, summarise, table, trial_rows
 from softhand_sim.benchmark.runner import in_order, run_benchmark
+from softhand_sim.benchmark.step_check import StepCheck, compare, drawn, finer, repeat
 from softhand_sim.benchmark.store import TrialStore
 from softhand_sim.grasp.protocol_file import DEFAULT, load_protocol, protocol_names
+from softhand_sim.grasp.result import TrialResult
 from softhand_sim.grasp.stage import Phase
 from softhand_sim.hand.scene import EngineSettings
 from softhand_sim.objects.batch import load_all
@@ -38,6 +40,7 @@ EXAMPLES = """examples:
   grasp_benchmark.py --ycb ycb/models --trials 5                # the YCB set as downloaded
   grasp_benchmark.py --trials 100 --workers 2 --store out/run.sqlite   # killed? the same line goes on
   grasp_benchmark.py --protocol six_forces                      # or a TOML file of your own
+  grasp_benchmark.py --trials 10 --check-steps 300 --workers 2  # do verdicts depend on the time step?
 An object that cannot be loaded is set aside, the rest of the run goes on; the exit status is then 1.
 """
 
@@ -68,6 +71,12 @@ def parser() -> _cli.Parser:
         "--store", type=Path, metavar="FILE", help="SQLite file that keeps each trial; a killed run goes on from there"
     )
     p.add_argument("--timestep", type=_cli.positive_float, default=2.0, metavar="MS", help="in ms (default 2)")
+    p.add_argument(
+        "--check-steps",
+        type=_cli.positive_int,
+        metavar="N",
+        help="repeat N trials at a quarter of the time step with more noslip iterations; say how many verdicts differ",
+    )
     p.add_argument("--calibration", type=Path, help="finger calibration (default: the shipped one)")
     p.add_common(seed="seed of the first trial", json="write settings, summary and every trial to this file")
     p.add_argument("--pictures", type=Path, default=Path("out/grasps"), help="folder (default out/grasps)")
@@ -84,6 +93,8 @@ def _job(argv: Sequence[str] | None) -> int:
     args = parser().parse_args(argv)
     _cli.check_writable(args.json)
     _cli.check_writable(args.store, "--store")
+    if args.check_steps and args.timestep < 0.4:
+        raise ValueError(f"--check-steps: a quarter of --timestep {args.timestep:g} ms is below 0.1 ms")
     args.protocol = load_protocol(args.protocol)
     batch = load_all(_loaders(args))
     plan = BenchmarkPlan(
@@ -98,17 +109,21 @@ def _job(argv: Sequence[str] | None) -> int:
     with nullcontext() if args.store is None else TrialStore(args.store, plan) as store:
         running = run_benchmark(plan, args.workers, store)
         results = in_order(plan, list(tqdm(running, total=total, desc="trials", unit="trial")))
+    check = None if args.check_steps is None else _step_check(plan, results, args)
     summary = summarise(results)
     print(table(summary))
     if flags := beyond_calibration(results):
         print(flags)
     print(conditions(plan.protocol))
+    if check is not None:
+        print(check.text())
     for name, reason in batch.failures.items():
         # a mesh file's reason begins with its path already
         print(f"not tried: {reason if reason.startswith(name) else f'{name}: {reason}'}", file=sys.stderr)
     if args.json is not None:
         notes = {model.name: list(model.notes) for model in plan.objects if model.notes}
-        data = {"settings": _settings(args), "not_tried": dict(batch.failures), "notes": notes}
+        data: dict[str, Any] = {"settings": _settings(args), "not_tried": dict(batch.failures), "notes": notes}
+        data["step_check"] = None if check is None else check.data()
         _cli.write_json(args.json, {**data, "objects": summary, "trials": trial_rows(results)})
     if not args.no_pictures:
         try:
@@ -117,6 +132,15 @@ def _job(argv: Sequence[str] | None) -> int:
         except RenderUnavailableError as error:
             print(f"no pictures: {error}", file=sys.stderr)
     return _cli.INCOMPLETE if batch.failures else 0
+
+
+def _step_check(plan: BenchmarkPlan, results: Sequence[TrialResult], args: argparse.Namespace) -> StepCheck:
+    """Repeat some trials with the finer engine; with a store, they are kept in one beside it."""
+    keys = drawn(results, args.check_steps, args.seed)
+    path = None if args.store is None else args.store.with_name(f"{args.store.name}.steps")
+    with nullcontext() if path is None else TrialStore(path, finer(plan)) as store:
+        running = repeat(plan, keys, args.workers, store)
+        return compare(results, list(tqdm(running, total=len(keys), desc="step check", unit="trial")))
 
 
 def _loaders(args: argparse.Namespace) -> dict[str, Callable[[], ObjectModel]]:

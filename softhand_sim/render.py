@@ -35,6 +35,15 @@ class Camera:
         self._renderer.update_scene(data, camera)
         return np.asarray(self._renderer.render(), dtype=np.uint8)
 
+    def depth_m(self, data: mujoco.MjData, camera: str | mujoco.MjvCamera) -> npt.NDArray[np.float32]:
+        """Return the distance of every pixel from the camera's plane [m], shape (height, width)."""
+        self._renderer.enable_depth_rendering()
+        try:
+            self._renderer.update_scene(data, camera)
+            return np.asarray(self._renderer.render(), dtype=np.float32)
+        finally:
+            self._renderer.disable_depth_rendering()
+
     def close(self) -> None:
         """Free the GL context."""
         self._renderer.close()

@@ -133,6 +133,8 @@ class HandSimulation:
 
     def move_wrist(self) -> None:
         """Move the wrist's reference towards its target, as far as it may get in one time step."""
+        if self.wrist_arrived:
+            return
         self.wrist_reference = limited_step(
             self.wrist_reference,
             self.wrist_target,
@@ -195,7 +197,8 @@ class HandSimulation:
     @property
     def wrist_arrived(self) -> bool:
         """Whether the wrist's reference stands at its target."""
-        return bool(np.array_equal(self.wrist_reference, self.wrist_target))
+        # lists of six compare in a third of the time of arrays; asked at every step
+        return bool(self.wrist_reference.tolist() == self.wrist_target.tolist())
 
     @property
     def diverged(self) -> bool:

@@ -26,7 +26,7 @@ def run(simulation, seconds):
 
 def test_chamber_volume_is_the_calibration_s_at_the_tendon_s_length(simulation, calibration):
     simulation.set_pressure_pa_gauge = np.array([30e3, 50e3, 70e3])
-    run(simulation, 1.5)
+    run(simulation, 3.0)
     angles = simulation.data.qpos[simulation.index.joint_qpos]
     own = [calibration.chamber.volume_m3_at(calibration.elongation_m(tuple(row))) for row in angles]
     # the engine's tendon lengths are those of the step's start
@@ -44,12 +44,12 @@ def test_sliding_friction_opposes_the_motion_within_its_bound(simulation, calibr
         return simulation.data.ctrl[index.loss_ctrl].copy(), law.coefficient_per_rad * bend * pressure * area
 
     simulation.set_pressure_pa_gauge = np.full(3, 70e3)
-    run(simulation, 0.8)
+    run(simulation, 1.6)
     closing, bound = force_and_bound()
     assert (closing < -0.5 * bound).all()
     assert (closing >= -1.02 * bound).all()
     simulation.set_pressure_pa_gauge = np.full(3, 40e3)
-    run(simulation, 1.5)
+    run(simulation, 3.0)
     opening, bound = force_and_bound()
     assert (opening > 0.5 * bound).all()
     assert (opening <= 1.02 * bound).all()
@@ -84,13 +84,13 @@ def test_shut_valves_keep_the_gas_when_a_finger_is_bent(simulation):
 
 
 def test_set_angle_is_reached_through_valves_and_gas(simulation, calibration):
-    """Closed loop: each finger ends within one valve pulse (4 kPa) below the angle that was asked for."""
+    """Closed loop: each finger ends within one valve pulse (2 kPa) below the angle that was asked for."""
     pressure = calibration.pressure_for_angle(60.0)
     simulation.set_pressure_pa_gauge = np.full(3, pressure)
     run(simulation, 4.0)
     angle = np.degrees(simulation.tip_angles_rad())
     assert (angle <= 60.0 + 1.0).all()
-    assert (angle >= calibration.angle_for_pressure(pressure - 4e3) - 0.5).all()
+    assert (angle >= calibration.angle_for_pressure(pressure - 2.5e3) - 0.5).all()
 
 
 def test_wrist_moves_at_the_paper_s_speed_and_arrives(simulation):
@@ -116,7 +116,7 @@ def test_limited_step_never_passes_its_limits_nor_the_target():
 
 def test_recorded_creep_is_that_of_the_second_half(calibration):
     contacts = ContactMap.of(build_scene(calibration).model)
-    recorder = Recorder(object_body=0, object_geoms=np.zeros(1, dtype=bool), rest_height_m=0.0, contacts=contacts)
+    recorder = Recorder(object_body=0, rest_height_m=0.0, contacts=contacts)
     for time in np.arange(0.0, 3.0, 0.02):
         settling = 1e-3 * np.exp(-time / 0.05)
         recorder.hold_time_s.append(float(time))

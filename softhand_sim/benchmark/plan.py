@@ -1,12 +1,15 @@
 """What a benchmark runs, and its division into shards."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from softhand_sim.calibration import load_calibration
+from softhand_sim.effects import BENCH, Effects
 from softhand_sim.grasp.protocol import GraspProtocol
 from softhand_sim.grasp.protocol_file import load_protocol
-from softhand_sim.grasp.trial import TrialSetup, prepare
+from softhand_sim.grasp.result import TrialResult
+from softhand_sim.grasp.trial import TrialSetup, prepare, run_trial
 from softhand_sim.hand.scene import EngineSettings
 from softhand_sim.objects.model import ObjectModel
 
@@ -31,7 +34,7 @@ class BenchmarkPlan:
     objects: the objects, each with its own name.
     trials: per object; their seeds are ``seed .. seed + trials - 1``, the same for every object.
     calibration: finger calibration file; None for the shipped one.
-    protocol, engine: what a trial does, and the engine's settings.
+    protocol, engine, effects: what a trial does, the engine's settings, and the effects of the scene.
     """
 
     objects: tuple[ObjectModel, ...]
@@ -40,6 +43,7 @@ class BenchmarkPlan:
     calibration: Path | None = None
     protocol: GraspProtocol = field(default_factory=load_protocol)
     engine: EngineSettings = field(default_factory=EngineSettings)
+    effects: Effects = BENCH
 
     def __post_init__(self) -> None:
         names = [model.name for model in self.objects]
@@ -49,15 +53,20 @@ class BenchmarkPlan:
             raise ValueError(f"trials: {self.trials} must be 1 or above, seed: {self.seed} 0 or above")
 
     @property
+    def trial_keys(self) -> tuple[tuple[str, int], ...]:
+        """All trials as object's name and seed, in order."""
+        return tuple((model.name, seed) for model in self.objects for seed in self.seeds)
+
+    @property
     def seeds(self) -> range:
         """Seeds of each object's trials."""
         return range(self.seed, self.seed + self.trials)
 
-    def shards(self, done: frozenset[tuple[str, int]] = frozenset()) -> list[Shard]:
-        """Return the work in pieces, without the trials, as object's name and seed, that are done already."""
+    def shards(self, wanted: frozenset[tuple[str, int]]) -> list[Shard]:
+        """Return the wanted trials, given as object's name and seed, in pieces."""
         shards = []
         for model in self.objects:
-            open_seeds = [seed for seed in self.seeds if (model.name, seed) not in done]
+            open_seeds = [seed for seed in self.seeds if (model.name, seed) in wanted]
             pieces = (open_seeds[i : i + TRIALS_A_SHARD] for i in range(0, len(open_seeds), TRIALS_A_SHARD))
             shards += [Shard(model=model, seeds=tuple(piece)) for piece in pieces]
         return shards
@@ -69,4 +78,14 @@ class BenchmarkPlan:
 
 def prepare_for(plan: BenchmarkPlan, model: ObjectModel) -> TrialSetup:
     """Return what the trials of one object of the plan share."""
-    return prepare(model, load_calibration(plan.calibration), protocol=plan.protocol, engine=plan.engine)
+    calibration = load_calibration(plan.calibration)
+    return prepare(model, calibration, protocol=plan.protocol, engine=plan.engine, effects=plan.effects)
+
+
+def run_shard(plan: BenchmarkPlan, shard: Shard, last: TrialSetup | None) -> tuple[TrialSetup, Iterator[TrialResult]]:
+    """Return what the trials of a shard share, and their results as they are asked for.
+
+    `last` is that of the shard before: it serves again if the object is the same (names are unique within a plan).
+    """
+    setup = last if last is not None and last.model.name == shard.model.name else prepare_for(plan, shard.model)
+    return setup, (run_trial(setup, seed) for seed in shard.seeds)

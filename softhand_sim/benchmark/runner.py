@@ -2,16 +2,28 @@
 
 from collections.abc import Iterator, Sequence
 
-from softhand_sim.benchmark.plan import BenchmarkPlan, Shard, prepare_for
+from softhand_sim.benchmark.plan import BenchmarkPlan, Shard, run_shard
 from softhand_sim.benchmark.store import TrialStore
 from softhand_sim.benchmark.workers import run_shards
 from softhand_sim.calibration import load_calibration
 from softhand_sim.grasp.result import TrialResult
-from softhand_sim.grasp.trial import run_trial
+from softhand_sim.grasp.trial import TrialSetup
 
 
-def run_benchmark(plan: BenchmarkPlan, workers: int = 1, store: TrialStore | None = None) -> Iterator[TrialResult]:
+def run_benchmark(
+    plan: BenchmarkPlan,
+    workers: int = 1,
+    store: TrialStore | None = None,
+    only: frozenset[tuple[str, int]] | None = None,
+) -> Iterator[TrialResult]:
     """Return an iterator over the results as they come, those of the store first; `in_order` sorts them.
+
+    Parameters
+    ----------
+    plan: what to run.
+    workers: processes side by side; one worker is this process.
+    store: keeps each trial; those that it has are not run again.
+    only: some of the plan's trials, as object's name and seed; by default all.
 
     Raises
     ------
@@ -19,14 +31,15 @@ def run_benchmark(plan: BenchmarkPlan, workers: int = 1, store: TrialStore | Non
         If the calibration is missing or wrong; at once, before the first trial.
     """
     load_calibration(plan.calibration)
-    return _results(plan, workers, store)
+    return _results(plan, workers, store, frozenset(plan.trial_keys) if only is None else only)
 
 
-def _results(plan: BenchmarkPlan, workers: int, store: TrialStore | None) -> Iterator[TrialResult]:
-    wanted = {(model.name, seed) for model in plan.objects for seed in plan.seeds}
+def _results(
+    plan: BenchmarkPlan, workers: int, store: TrialStore | None, wanted: frozenset[tuple[str, int]]
+) -> Iterator[TrialResult]:
     kept = [] if store is None else [r for r in store.results() if (r.object, r.seed) in wanted]
     yield from kept
-    shards = plan.shards(frozenset((result.object, result.seed) for result in kept))
+    shards = plan.shards(wanted - {(result.object, result.seed) for result in kept})
     running = _in_this_process(plan, shards) if workers == 1 else run_shards(plan, shards, workers)
     for result in running:
         if store is not None:
@@ -35,10 +48,10 @@ def _results(plan: BenchmarkPlan, workers: int, store: TrialStore | None) -> Ite
 
 
 def _in_this_process(plan: BenchmarkPlan, shards: Sequence[Shard]) -> Iterator[TrialResult]:
+    setup: TrialSetup | None = None
     for shard in shards:
-        setup = prepare_for(plan, shard.model)
-        for seed in shard.seeds:
-            yield run_trial(setup, seed)
+        setup, results = run_shard(plan, shard, setup)
+        yield from results
 
 
 def in_order(plan: BenchmarkPlan, results: Sequence[TrialResult]) -> list[TrialResult]:

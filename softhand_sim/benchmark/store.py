@@ -115,6 +115,7 @@ def conditions(plan: BenchmarkPlan) -> dict[str, Any]:
     return {
         "protocol": repr(plan.protocol),
         "engine": asdict(plan.engine),
+        "effects": repr(plan.effects),
         "calibration_sha256": hashlib.sha256(file.read_bytes()).hexdigest(),
         "mujoco_version": version("mujoco"),
         "numpy_version": version("numpy"),

@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 from multiprocessing.connection import Connection, wait
 from multiprocessing.context import SpawnProcess
 
-from softhand_sim.benchmark.plan import BenchmarkPlan, Shard, prepare_for
+from softhand_sim.benchmark.plan import BenchmarkPlan, Shard, run_shard
 from softhand_sim.grasp.result import TrialResult, crashed
-from softhand_sim.grasp.trial import run_trial
+from softhand_sim.grasp.trial import TrialSetup
 
 ATTEMPTS = 2
 """Times that a trial is tried whose worker dies; after that it is recorded as crashed."""
@@ -119,12 +119,13 @@ def _dismiss(worker: _Worker) -> None:
 
 def _serve(pipe: Connection, plan: BenchmarkPlan) -> None:
     """Run shards until the pipe closes; the body of a worker process."""
+    setup: TrialSetup | None = None
     try:
         while True:
             shard: Shard = pipe.recv()
-            setup = prepare_for(plan, shard.model)
-            for seed in shard.seeds:
-                pipe.send(run_trial(setup, seed))
+            setup, results = run_shard(plan, shard, setup)
+            for result in results:
+                pipe.send(result)
     except (EOFError, BrokenPipeError, ConnectionResetError):
         pass  # the main process has ended
     except Exception as error:  # sent on, so that the run ends with its reason

@@ -30,9 +30,9 @@ STATED = (
 EMPTY_PA, BAND_PA = 5e3, 5e3
 """What counts as empty, and as held (this project's own requirements)."""
 SMALL_LEAK_M3_PER_S_PA = 3e-11
-"""Choice: a third of the default inlet's conductance, so that inflow exceeds the leak."""
+"""Choice: at 50 kPa the default inlet's flow exceeds the leak threefold."""
 LARGE_LEAK_M3_PER_S_PA = 3e-10
-"""Choice: three times the default inlet's conductance, which cannot make up for it at 50 kPa."""
+"""Choice: six times the default inlet's conductance, which cannot make up for it at 50 kPa."""
 
 
 class LeakCase(StrEnum):

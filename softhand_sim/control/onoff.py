@@ -19,7 +19,7 @@ class OnOffController:
     A shut inlet opens when the reading is below the set value by more than the dead band, and shuts as
     soon as the sensor reads the set value; the outlet mirrors it.
 
-    Sampling at 50 Hz adds a difficulty: the pressure moves by one *pulse* (about 4 kPa) between two
+    Sampling at 50 Hz adds a difficulty: the pressure moves by one *pulse* (up to 2 kPa) between two
     readings. A literal law shuts up to one pulse late, holds *above* the set value and then chatters,
     while the paper's hand holds "marginally below". So with ``lookahead`` (default) the controller
     remembers what its last pulse did to the reading, and doesn't fire, or stops, when one more such pulse

@@ -87,7 +87,7 @@ class SceneFacts:
             calibration=calibration,
             hand=compile_scene(build_root(calibration)).model,
             offered=offered,
-            set_pa_gauge=np.array([calibration.closing_pressure(angle) for angle in angles]),
+            set_pa_gauge=times.closing_pressures_pa_gauge(calibration, angles),
             closed_s=times.close_s,
             end_s=times.close_s + travel_s + times.settle_s + HOLD_S,
         )

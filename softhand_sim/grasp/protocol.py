@@ -1,9 +1,12 @@
 """What a trial does: approach and close, then phases; where the object lies; what counts as held. All plain values."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+import numpy.typing as npt
 
+from softhand_sim.calibration import FingerCalibration
 from softhand_sim.checks import require_in
 from softhand_sim.grasp.phases.lift import Lift
 from softhand_sim.grasp.stage import Phase
@@ -57,6 +60,7 @@ class GraspProtocol:
     offsets: of the object from where the hand expects it.
     thresholds: between outcomes.
     mass_kg, friction: of every object, where the protocol prescribes them.
+    closing_pressure_pa_gauge: of every finger; without it, that of the grasp's set angles.
     """
 
     name: str
@@ -69,6 +73,7 @@ class GraspProtocol:
     thresholds: Thresholds = field(default_factory=Thresholds)
     mass_kg: float | None = None
     friction: float | None = None
+    closing_pressure_pa_gauge: float | None = None
 
     def __post_init__(self) -> None:
         if not self.source.strip():
@@ -77,6 +82,8 @@ class GraspProtocol:
             if not 0.0 < getattr(self, name) < 100.0:
                 raise ValueError(f"{name}: {getattr(self, name)} must lie in (0, 100)")
         require_in("settle_s", self.settle_s, 0.0, 10.0)
+        if self.closing_pressure_pa_gauge is not None:
+            require_in("closing_pressure_pa_gauge", self.closing_pressure_pa_gauge, 0.0, 1e6)
         if not any(isinstance(phase, Lift) for phase in self.phases):
             raise ValueError("phase: at least one must be a lift, the verdict rests on it")
 
@@ -84,6 +91,14 @@ class GraspProtocol:
     def lift_m(self) -> float:
         """Height (m) that all lifts together gain."""
         return sum(phase.height_m for phase in self.phases if isinstance(phase, Lift))
+
+    def closing_pressures_pa_gauge(
+        self, calibration: FingerCalibration, set_angle_deg: Sequence[float]
+    ) -> npt.NDArray[np.float64]:
+        """Return the set pressure (Pa gauge) of each element for the set angles (degrees) of a grasp, both (3,)."""
+        if self.closing_pressure_pa_gauge is not None:
+            return np.full(len(set_angle_deg), self.closing_pressure_pa_gauge)
+        return np.array([calibration.closing_pressure(angle) for angle in set_angle_deg])
 
     def draw_offset(self, rng: np.random.Generator, seed: int = 0) -> tuple[float, float, float]:
         """Draw the object's displacement x, y (m) and turn about the vertical (rad) of the trial of a seed."""

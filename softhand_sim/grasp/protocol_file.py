@@ -20,11 +20,12 @@ _KEYS = {
     "settle_s": float,
     "mass_kg": float,
     "friction": float,
+    "closing_pressure_pa_gauge": float,
     "offsets": dict,
     "thresholds": dict,
     "phase": list,
 }
-_OPTIONAL = {"mass_kg", "friction", "offsets", "thresholds"}
+_OPTIONAL = {"mass_kg", "friction", "closing_pressure_pa_gauge", "offsets", "thresholds"}
 
 
 def protocol_names() -> tuple[str, ...]:

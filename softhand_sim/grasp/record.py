@@ -18,7 +18,6 @@ class Recorder:
     """Samples a running trial; grows with it."""
 
     object_body: int
-    object_geoms: npt.NDArray[np.bool_]
     rest_height_m: float
     contacts: ContactMap
     deepest_m: float = 0.0
@@ -38,34 +37,22 @@ class Recorder:
     def of(cls, simulation: HandSimulation, rest_height_m: float) -> "Recorder":
         """Watch the body called ``object``."""
         body = int(simulation.model.body("object").id)
-        geoms = np.asarray(simulation.model.geom_bodyid == body)
-        return cls(
-            object_body=body,
-            object_geoms=geoms,
-            rest_height_m=rest_height_m,
-            contacts=ContactMap.of(simulation.model),
-        )
+        return cls(object_body=body, rest_height_m=rest_height_m, contacts=ContactMap.of(simulation.model))
 
     def sample(self, simulation: HandSimulation) -> None:
         """Take one sample: contacts, the object's height and way in the hand, the pressures."""
         data = simulation.data
         self.samples += 1
         if data.ncon:
-            touching = self.object_geoms[data.contact.geom].any(axis=1)
-            if touching.any():
-                self.deepest_m = max(self.deepest_m, -float(data.contact.dist[touching].min()))
-            self._sample_fingers(simulation)
+            depth, crossing = self.contacts.depths_m(data)
+            self.deepest_m = max(self.deepest_m, depth)
+            if crossing is not None:
+                self.finger_contact_samples += 1
+                self.finger_deepest_m = max(self.finger_deepest_m, crossing)
         self.highest_lift_m = max(self.highest_lift_m, self.lift_m(simulation))
         np.maximum(self.peak_pressure_pa_gauge, simulation.pressure_pa_gauge(), out=self.peak_pressure_pa_gauge)
         if self.reference is not None:
             self.way.append(simulation.in_palm_frame(self.object_body))
-
-    def _sample_fingers(self, simulation: HandSimulation) -> None:
-        crossing = self.contacts.of_fingers(simulation.data)
-        if len(crossing):
-            self.finger_contact_samples += 1
-            depth = -float(simulation.data.contact.dist[crossing].min())
-            self.finger_deepest_m = max(self.finger_deepest_m, depth)
 
     def lift_m(self, simulation: HandSimulation) -> float:
         """Height (m) that the object has gained over its rest on the table."""
@@ -85,8 +72,8 @@ class Recorder:
         data = simulation.data
         self.hold_time_s.append(float(data.time))
         self.hold_position_m.append(simulation.in_palm_frame(self.object_body)[0])
-        self.hold_force_n.append(self.contacts.normal_forces_n(simulation.model, data))
         touching = self.contacts.of_object(data)
+        self.hold_force_n.append(self.contacts.normal_forces_n(data, touching))
         if len(touching):
             self.lifted_deepest_m = max(self.lifted_deepest_m, -float(data.contact.dist[touching].min()))
 

@@ -139,8 +139,8 @@ def _commands(setup: TrialSetup, stage: Stage) -> Iterator[tuple[Callable[[], bo
     simulation.wrist_target = setup.plan.standoff(0.0)
     yield stage.arrived, 0
     yield stage.after(stage.settle_s), 0
-    simulation.set_pressure_pa_gauge = np.array(
-        [setup.calibration.closing_pressure(angle) for angle in setup.plan.set_angle_deg]
+    simulation.set_pressure_pa_gauge = setup.protocol.closing_pressures_pa_gauge(
+        setup.calibration, setup.plan.set_angle_deg
     )
     yield stage.after(setup.protocol.close_s), 0
     stage.recorder.mark(simulation)

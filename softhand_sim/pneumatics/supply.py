@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 from softhand_sim.checks import require_finite
 
-# mass is kept to rounding whatever the tolerance; this one is far below the sensor's resolution
-_TOLERANCE = 1e-10
+# mass is kept to rounding whatever the tolerance; so tight that flows reckoned from the pressure agree over a minute
+_TOLERANCE = 1e-12
 _MAX_ITERATIONS = 100
 
 
@@ -24,10 +24,10 @@ class Supply:
         block with its tubes.
     largest_flow_kg_per_s
         Compressor's flow [kg/s]. Choice: 2e-4, ten litres of free air a minute, a small bench compressor; the three
-        inlets together take up to 0.9e-4.
+        inlets together take up to 0.44e-4.
     droop_pa
         How far the pressure must fall for the regulator to open fully [Pa]. Choice: 10 kPa; with all three inlets open
-        the receiver then settles 4 kPa under the set pressure.
+        the receiver then settles 2 kPa under the set pressure.
 
     Raises
     ------

@@ -15,6 +15,7 @@ from pathlib import Path
 
 import pytest
 
+from softhand_sim.benchmark import plan as planning
 from softhand_sim.benchmark.plan import BenchmarkPlan
 from softhand_sim.benchmark.runner import in_order, run_benchmark
 from softhand_sim.benchmark.store import TrialStore
@@ -67,10 +68,8 @@ def test_a_second_run_makes_nothing_twice_and_an_interrupted_one_goes_on(tmp_pat
             next(running)
         running.close()
     made = []
-    real = run_benchmark.__globals__["run_trial"]
-    monkeypatch.setitem(
-        run_benchmark.__globals__, "run_trial", lambda setup, seed: (made.append(seed), real(setup, seed))[1]
-    )
+    real = planning.run_trial
+    monkeypatch.setattr(planning, "run_trial", lambda setup, seed: (made.append(seed), real(setup, seed))[1])
     with TrialStore(path, plan()) as store:
         assert figures(run_benchmark(plan(), 1, store), plan()) == unbroken
         assert len(made) == 12 - 5

@@ -28,12 +28,12 @@ def test_shipped_evidence_is_of_the_shipped_finger_and_says_how_it_was_made(cali
 
 
 def test_calibration_and_evidence_agree_where_both_have_been(calibration):
-    """The same analysis with the actuator's contact by two methods: barrier in the evidence, segments in the fit."""
+    """The same analysis, run twice; the bounds allow for another linear solver or machine."""
     own, cycle = calibration.analysis, load_evidence().cycle
     rows = {key: k for k, key in enumerate(zip(cycle.branch, cycle.pressure_pa_gauge.tolist(), strict=True))}
     shared = [rows[key] for key in zip(own.branch, own.pressure_pa_gauge.tolist(), strict=True)]
-    assert own.joint_angle_rad == pytest.approx(cycle.joint_angle_rad[shared], abs=4e-3)
-    assert own.chamber_volume_m3 == pytest.approx(cycle.chamber_volume_m3[shared], rel=6e-3)
+    assert own.joint_angle_rad == pytest.approx(cycle.joint_angle_rad[shared], abs=1e-4)
+    assert own.chamber_volume_m3 == pytest.approx(cycle.chamber_volume_m3[shared], rel=1e-4)
 
 
 @pytest.mark.parametrize(

@@ -91,24 +91,24 @@ def test_absent_equals_never_written(calibration, name):
     without = replace(EVERYTHING, **{name: None})
     model = compile_scene(build_root(calibration)).model
     losses = Losses.of(calibration, CONDITIONED_SILICONE)
-    expected = closing(model, calibration, WRITTEN_BY_HAND[name](with_all), losses, seconds=0.5)
-    assert run(without, calibration, seconds=0.5).tobytes() == expected.tobytes()
+    expected = closing(model, calibration, WRITTEN_BY_HAND[name](with_all), losses, seconds=1.0)
+    assert run(without, calibration, seconds=1.0).tobytes() == expected.tobytes()
     # and the effect is no empty word
-    assert run(EVERYTHING, calibration, seconds=0.5).tobytes() != expected.tobytes()
+    assert run(EVERYTHING, calibration, seconds=1.0).tobytes() != expected.tobytes()
 
 
 @pytest.mark.parametrize("name", ["sliding", "relaxation"])
 def test_absent_losses_equal_never_written(calibration, name):
     """Without friction as with a calibration that has none; without relaxation as the default simulation."""
-    rows = run(replace(replace(BENCH, relaxation=CONDITIONED_SILICONE), **{name: None}), calibration, seconds=0.5)
+    rows = run(replace(replace(BENCH, relaxation=CONDITIONED_SILICONE), **{name: None}), calibration, seconds=1.0)
     system, model = default_pneumatics(calibration), compile_scene(build_root(calibration)).model
     losses = Losses.of(calibration)
     if name == "sliding":
         smooth = replace(calibration, sliding=replace(calibration.sliding, coefficient_per_rad=0.0))
         losses = Losses.of(smooth, CONDITIONED_SILICONE)
         assert losses.sliding is None
-    assert rows.tobytes() == closing(model, calibration, system, losses, seconds=0.5).tobytes()
-    both = run(replace(BENCH, relaxation=CONDITIONED_SILICONE), calibration, seconds=0.5)
+    assert rows.tobytes() == closing(model, calibration, system, losses, seconds=1.0).tobytes()
+    both = run(replace(BENCH, relaxation=CONDITIONED_SILICONE), calibration, seconds=1.0)
     assert rows.tobytes() != both.tobytes()
 
 
@@ -156,10 +156,10 @@ def test_without_interference_no_pair_of_fingers_meets(calibration):
                 for b in bodies[other]:
                     root.contact.add("exclude", body1=a, body2=b)
     system = default_pneumatics(calibration)
-    excluded = closing(compile_scene(root).model, calibration, system, seconds=1.0, set_pa=pressure)
-    got = run(effects, calibration, seconds=1.0, set_pa=pressure)
+    excluded = closing(compile_scene(root).model, calibration, system, seconds=2.0, set_pa=pressure)
+    got = run(effects, calibration, seconds=2.0, set_pa=pressure)
     assert got.tobytes() == excluded.tobytes()
-    met = run(BENCH, calibration, seconds=1.0, set_pa=pressure)
+    met = run(BENCH, calibration, seconds=2.0, set_pa=pressure)
     assert np.abs(met - got)[:, :15].max() > 0.01  # in this closing fingers do meet
     assert run_trial(prepare(make_object("apple"), calibration, effects=effects), seed=0).outcome == "HELD"
 

@@ -31,12 +31,18 @@ def test_forces_are_those_of_the_lever():
     for _ in range(1500):
         mujoco.mj_step(model, data)
     contacts = ContactMap.of(model)
-    force = contacts.normal_forces_n(model, data)
+    force = contacts.normal_forces_n(data)
     assert force.sum() == pytest.approx(0.3 * 9.81, rel=1e-3)
     assert force[PALM] + force[FINGERS.index("index")] == pytest.approx(force.sum())
     # moments about the object's middle, with the supports' inner and outer edges as bounds of the arms
     ratio = force[PALM] / force[FINGERS.index("index")]
     assert 0.09 / 0.06 < ratio < 0.11 / 0.04
+    # the engine's own reading of the same forces
+    own = np.zeros(6)
+    for contact in contacts.of_object(data):
+        mujoco.mj_contactForce(model, data, int(contact), decoded := np.zeros(6))
+        own[contacts.member[contacts.hand_geom(data, int(contact))]] += decoded[0]
+    assert np.array_equal(force, own)
     links = {contacts.link[contacts.hand_geom(data, int(i))] for i in contacts.of_object(data)}
     assert links == {"palm", "index_distal"}
     crossing = contacts.of_fingers(data)

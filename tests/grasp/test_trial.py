@@ -28,7 +28,7 @@ def test_light_objects_are_held(name, calibration):
     assert result.lift_m == pytest.approx(0.15, abs=0.02)
     assert 0.0 < result.penetration_m < 0.002
     # the paper's controller vents above its dead band, as far as a reading tells it: a count of the converter and
-    # three deviations of the noise away; a law without lookahead would go over by a pulse of 4 kPa
+    # three deviations of the noise away; a law without lookahead would go over by a pulse of 1 to 2 kPa
     wanted, sensor = calibration.pressure_for_angle(95.0), PressureSensor()
     noise_pa = sensor.noise_v / sensor.supply_v / 0.004 * 1e3
     over = OnOffController().dead_band_pa + sensor.resolution_pa + 3.0 * noise_pa

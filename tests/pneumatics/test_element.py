@@ -15,7 +15,7 @@ V0, AREA = 2.5e-6, 6.4e-5
 RT = Chamber().rt_j_per_kg
 
 
-def iso_flow(upstream, downstream, c=1e-10, b=0.3):
+def iso_flow(upstream, downstream, c=5e-11, b=0.3):
     """ISO 6358 written a second time, without the linear part near equilibrium."""
     if upstream < downstream:
         return -iso_flow(downstream, upstream, c, b)
@@ -38,7 +38,7 @@ def march(element, pressure, volume_at, dt, duration, valves_at):
 def test_choked_fill_of_a_fixed_volume_is_a_ramp():
     supply = 900e3  # choked up to 0.3 x 900 = 270 kPa
     element = Element(supply_pa_abs=supply)
-    ramp = 1e-10 * 1.185 * supply * RT / (V0 + element.dead_volume_m3)
+    ramp = 5e-11 * 1.185 * supply * RT / (V0 + element.dead_volume_m3)
     for dt in (1e-4, 2e-3):
         n = round(0.02 / dt)
         pressures = march(element, AMBIENT_PA_ABS, lambda _t: V0, dt, 0.02, lambda _t: (True, False))
@@ -49,7 +49,7 @@ def test_choked_fill_of_a_fixed_volume_is_a_ramp():
 
 def test_choked_vent_converges_to_the_exponential_at_first_order():
     element = Element(supply_pa_abs=900e3)
-    tau = (V0 + element.dead_volume_m3) / (1e-10 * 1.185 * RT)
+    tau = (V0 + element.dead_volume_m3) / (5e-11 * 1.185 * RT)
     errors = []
     for dt in (8e-3, 4e-3, 2e-3):
         pressures = march(element, 850e3, lambda _t: V0, dt, 0.64, lambda _t: (False, True))
@@ -166,19 +166,19 @@ def test_compressed_above_supply_gas_flows_back():
     assert element.supply_pa_abs < element.pressure_pa_abs(after, V0) < 300e3
 
 
-def test_default_flow_fills_a_finger_in_a_third_of_a_second():
+def test_default_flow_fills_a_finger_in_three_quarters_of_a_second():
     """The observable that the valve's conductance was chosen for."""
     element = Element()
     pressures = march(
         element,
         AMBIENT_PA_ABS,
-        lambda t: V0 + AREA * 0.011 * min(t / 0.35, 1.0),
+        lambda t: V0 + AREA * 0.011 * min(t / 0.75, 1.0),
         1e-3,
-        0.6,
+        1.0,
         lambda _t: (True, False),
     )
     filled = 1e-3 * (1 + int(np.argmax(pressures >= AMBIENT_PA_ABS + 75e3)))
-    assert filled == pytest.approx(0.35, abs=0.05)
+    assert filled == pytest.approx(0.75, abs=0.05)
 
 
 @pytest.mark.parametrize(

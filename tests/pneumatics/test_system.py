@@ -196,8 +196,8 @@ def test_own_controller_fills_the_protocol():
             return (ValveCommand(True, False),) * 3, (state[0] + 1.0,)
 
     system = PneumaticSystem(controller=AlwaysFill())
-    state = run(system, start(system), [0.0] * 3, 5.0)[-1]
-    assert state.controller == (250.0,)
+    state = run(system, start(system), [0.0] * 3, 10.0)[-1]
+    assert state.controller == (500.0,)
     assert system.restore(state.to_array()) == state
     assert min(state.pressure_pa_abs) > 0.99 * 250e3
 

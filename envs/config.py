@@ -1,0 +1,189 @@
+"""Arguments of the environments, checked together before anything is built."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from envs.actions import ActionMode, ActionSpec
+from envs.draw import Drawer
+from envs.episode import EpisodeSpec
+from envs.observations import ObservationMode, layout_of
+from envs.randomization import PRESETS as RANDOMIZATIONS
+from envs.randomization import Randomization
+from envs.task import Task
+from envs.valves import ValveRelay
+from envs.world import Scenes, SceneSettings, names_of
+from softhand_sim.calibration import FingerCalibration, load_calibration
+from softhand_sim.checks import require_in
+from softhand_sim.effects import FULL, PRESETS, Effects
+from softhand_sim.effects.build import TICK_S
+from softhand_sim.effects.scene import Tolerance
+from softhand_sim.hand.anatomy import HandAnatomy
+from softhand_sim.hand.scene import EngineSettings
+from softhand_sim.objects.catalogue import make_object
+from softhand_sim.objects.model import ObjectModel
+
+Objects = str | ObjectModel | Sequence[str | ObjectModel]
+Calibration = Path | str | FingerCalibration | None
+
+AUTO = "auto"
+AUTO_TOLERANCE = Tolerance(angle_deg=5.0, slip_m=0.010)
+"""Choice: what ``scripts/explain_scene.py`` takes by default."""
+ARM_M = 0.1
+"""Choice: the wrist turns as fast as it moves at this arm, as in `HandAnatomy`."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class EnvConfig:
+    """Arguments that all environments have.
+
+    Attributes
+    ----------
+    objects
+        A catalogue name or an `ObjectModel` (of `load_mesh_object`, say), or several; one is drawn an episode.
+    action_mode
+        ``pressure``, ``angle`` or ``valve``.
+    wrist
+        Whether actions move the wrist; else it goes the task's own way.
+    wrist_speed_m_per_s
+        Its largest speed [m/s], at most 0.5 (paper: 0.1); it turns by as much at an arm of 0.1 m.
+    observation_mode
+        ``hardware``, ``state`` or ``goal``.
+    camera
+        Height and width of a picture in the observation [pixels]; None for none.
+    randomization
+        ``none``, ``place``, ``domain``, or a `Randomization`.
+    effects, tolerance
+        ``ideal``, ``bench``, ``full``, `Effects`, or ``auto``: all effects but those that each scene does not call for,
+        by a `Tolerance`.
+    engine
+        Time step and solver.
+    calibrations
+        Finger calibrations (material pairs), as paths or loaded, None for the shipped one; one is drawn an episode.
+        The controller's table and the highest set pressure are those of the first: it does not know the draw.
+    control_period_s
+        Time of one action [s]: a whole number of the controller's 20 ms.
+
+    Raises
+    ------
+    ValueError
+        If an argument is unknown or out of range; the message names it.
+    """
+
+    objects: Objects = "apple"
+    action_mode: str = "pressure"
+    wrist: bool = True
+    wrist_speed_m_per_s: float = 0.1
+    observation_mode: str = "state"
+    camera: tuple[int, int] | None = None
+    randomization: str | Randomization = "place"
+    effects: str | Effects = "bench"
+    tolerance: Tolerance | None = None
+    engine: EngineSettings | None = None
+    calibrations: Calibration | Sequence[Calibration] = None
+    control_period_s: float = 0.04
+
+    def __post_init__(self) -> None:
+        _one_of("action_mode", self.action_mode, tuple(ActionMode))
+        _one_of("observation_mode", self.observation_mode, tuple(ObservationMode))
+        require_in("wrist_speed_m_per_s", self.wrist_speed_m_per_s, 1e-3, 0.5)
+        require_in("control_period_s", self.control_period_s, TICK_S, 1.0)
+        for name, period in (("controller's period", TICK_S), ("engine's time step", self._engine.timestep_s)):
+            if not math.isclose(self.control_period_s / period, round(self.control_period_s / period), abs_tol=1e-6):
+                raise ValueError(
+                    f"control_period_s = {self.control_period_s}: must be a multiple of the {name} {period}"
+                )
+        if self.camera is not None and not (
+            len(self.camera) == 2 and all(isinstance(n, int) and 1 <= n <= 960 for n in self.camera)
+        ):
+            raise ValueError(f"camera = {self.camera!r}: must be None or height and width from 1 to 960")
+        if self._effects.gas is None and (self.action_mode == ActionMode.VALVE or self._ranges.of_gas):
+            raise ValueError(f"effects = {self.effects!r}: valves, leaks and sensors need gas dynamics")
+
+    @property
+    def mode(self) -> ObservationMode:
+        """The observation mode."""
+        return ObservationMode(self.observation_mode)
+
+    @property
+    def _engine(self) -> EngineSettings:
+        return self.engine or EngineSettings()
+
+    @property
+    def _effects(self) -> Effects:
+        if isinstance(self.effects, Effects):
+            return self.effects
+        _one_of("effects", self.effects, (*PRESETS, AUTO))
+        return FULL if self.effects == AUTO else PRESETS[self.effects]
+
+    @property
+    def _ranges(self) -> Randomization:
+        if isinstance(self.randomization, Randomization):
+            return self.randomization
+        _one_of("randomization", self.randomization, tuple(RANDOMIZATIONS))
+        return RANDOMIZATIONS[self.randomization]
+
+    def scenes(self) -> Scenes:
+        """Return the scenes; nothing is compiled yet.
+
+        Raises
+        ------
+        ValueError
+            If the catalogue has no such object, two share a name, or there is no calibration.
+        FileNotFoundError
+            If there is no such calibration file.
+        """
+        given = [self.objects] if isinstance(self.objects, str | ObjectModel) else list(self.objects)
+        objects = tuple(make_object(o) if isinstance(o, str) else o for o in given)
+        names_of(objects)
+        one = self.calibrations is None or isinstance(self.calibrations, Path | str | FingerCalibration)
+        wanted = [self.calibrations] if one else list(self.calibrations)  # type: ignore[arg-type]
+        if not wanted:
+            raise ValueError("calibrations = []: must be one or more")
+        tolerance = self.tolerance
+        if tolerance is None and self.effects == AUTO:
+            tolerance = AUTO_TOLERANCE
+        speed = self.wrist_speed_m_per_s
+        return Scenes(
+            SceneSettings(
+                objects=objects,
+                calibrations=tuple(_loaded(c) for c in wanted),  # type: ignore[arg-type]
+                effects=self._effects,
+                tolerance=tolerance,
+                engine=self._engine,
+                controller=ValveRelay() if self.action_mode == ActionMode.VALVE else None,
+                anatomy=HandAnatomy(wrist_speed_m_per_s=speed, wrist_rate_rad_per_s=speed / ARM_M),
+            )
+        )
+
+    def spec(self, scenes: Scenes, task: Task) -> EpisodeSpec:
+        """Return what an episode of a task is made from."""
+        settings = scenes.settings
+        action = ActionSpec.of(
+            settings.calibrations[0],
+            ActionMode(self.action_mode),
+            wrist_axes=task.wrist_axes if self.wrist else 0,
+            speed_m_per_s=settings.anatomy.wrist_speed_m_per_s,
+            rate=settings.anatomy.wrist_rate_rad_per_s,
+        )
+        return EpisodeSpec(
+            action=action,
+            layout=layout_of(self.mode, task.target),
+            drawer=Drawer(ranges=self._ranges, objects=len(settings.objects), calibrations=len(settings.calibrations)),
+            names=names_of(settings.objects),
+            control_period_s=self.control_period_s,
+            sparse=self.mode is ObservationMode.GOAL,
+            has_gas=settings.effects.gas is not None,
+        )
+
+
+def _one_of(name: str, value: object, allowed: Sequence[str]) -> None:
+    if value not in allowed:
+        raise ValueError(f"{name} = {value!r}: must be one of {', '.join(allowed)}")
+
+
+def _loaded(calibration: Calibration) -> FingerCalibration:
+    if isinstance(calibration, FingerCalibration):
+        return calibration
+    return load_calibration(None if calibration is None else Path(calibration))

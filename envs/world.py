@@ -1,0 +1,195 @@
+"""Compiled scenes of an environment's objects and fingers, and the simulation that runs in them."""
+
+from collections import OrderedDict
+from collections.abc import Sequence
+from copy import copy
+from dataclasses import dataclass, field
+from typing import Any
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from envs.draw import Draw
+from softhand_sim.calibration import FingerCalibration
+from softhand_sim.contact import ContactSettings
+from softhand_sim.control.protocol import Controller
+from softhand_sim.effects import Effects
+from softhand_sim.effects.auto import choose
+from softhand_sim.effects.build import apply_to_model, build_losses, build_pneumatics
+from softhand_sim.effects.scene import SceneFacts, Tolerance
+from softhand_sim.grasp.contacts import ContactMap
+from softhand_sim.hand.anatomy import HandAnatomy
+from softhand_sim.hand.scene import EngineSettings, build_scene
+from softhand_sim.objects.mjcf import attach_object
+from softhand_sim.objects.model import ObjectModel
+from softhand_sim.simulation import HandSimulation
+
+Vector = npt.NDArray[np.float64]
+
+MOST_SCENES = 64
+"""Choice: a compiled scene takes about 2 MB; all objects of the catalogue with one finger fit in."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SceneSettings:
+    """What all scenes of an environment share.
+
+    Attributes
+    ----------
+    objects, calibrations
+        What may lie there, and the fingers (material pairs) that the hand may have.
+    effects, tolerance
+        Effects of every scene; with a tolerance each scene leaves out what it does not call for.
+    engine
+        Time step and solver.
+    controller
+        Law of the valves; None: the ON-OFF law.
+    anatomy
+        The wrist's speed stands there.
+    """
+
+    objects: tuple[ObjectModel, ...]
+    calibrations: tuple[FingerCalibration, ...]
+    effects: Effects
+    tolerance: Tolerance | None
+    engine: EngineSettings
+    controller: Controller | None
+    anatomy: HandAnatomy
+
+
+@dataclass(kw_only=True)
+class World:
+    """One scene, its simulation, and where things are in it. The model is the world's own: draws are written to it."""
+
+    index: tuple[int, int]
+    settings: SceneSettings
+    model: mujoco.MjModel
+    effects: Effects
+    simulation: HandSimulation = field(init=False)
+    _drawn: tuple[object, ...] = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.object = self.settings.objects[self.index[0]]
+        self.calibration = self.settings.calibrations[self.index[1]]
+        self.body = int(self.model.body("object").id)
+        self.grasp_site = int(self.model.site("grasp").id)
+        self.object_qpos = int(self.model.joint("object_joint").qposadr[0])
+        self.object_dof = int(self.model.joint("object_joint").dofadr[0])
+        self.joint_dofs = np.array([self.model.joint(i).dofadr[0] for i in self._finger_joints()])
+        self.contacts = ContactMap.of(self.model)
+        self._geoms = np.flatnonzero((self.model.geom_bodyid == self.body) & (self.model.geom_contype != 0))
+        self._inertia = self.model.body_inertia[self.body] / self.object.mass_kg
+        self.simulation = self._simulate(self.effects)
+        self._drawn = self._gas_of(Draw())
+
+    def _finger_joints(self) -> list[int]:
+        free = int(self.model.joint("object_joint").id)
+        names = [self.model.joint(i).name for i in range(self.model.njnt)]
+        return [i for i, name in enumerate(names) if i != free and not name.startswith("wrist_")]
+
+    def _simulate(self, effects: Effects) -> HandSimulation:
+        return HandSimulation(
+            model=self.model,
+            calibration=self.calibration,
+            pneumatics=build_pneumatics(effects, self.calibration, self.settings.controller),
+            anatomy=self.settings.anatomy,
+            losses=build_losses(effects, self.calibration),
+        )
+
+    @staticmethod
+    def _gas_of(draw: Draw) -> tuple[object, ...]:
+        return draw.leak, draw.valve_flow_ratio, draw.sensor_offset_pa
+
+    def mass_kg(self, draw: Draw) -> float:
+        """Return the object's mass in an episode [kg]."""
+        return self.object.mass_kg * draw.mass_ratio if draw.mass_kg is None else draw.mass_kg
+
+    def friction(self, draw: Draw) -> float:
+        """Return the object's friction coefficient in an episode."""
+        return self.object.friction if draw.friction is None else draw.friction
+
+    def apply(self, draw: Draw) -> None:
+        """Take over an episode's mass, friction, leak, valves and sensors; the simulation wants a reset after it."""
+        model, mass = self.model, self.mass_kg(draw)
+        if mass != model.body_mass[self.body]:
+            model.body_mass[self.body] = mass
+            model.body_inertia[self.body] = mass * self._inertia
+            # a data of its own: what follows from the masses is computed in the reference pose
+            mujoco.mj_setConst(model, mujoco.MjData(model))
+        model.geom_friction[self._geoms] = ContactSettings().friction(self.friction(draw))
+        if self._gas_of(draw) != self._drawn:
+            self.simulation = self._simulate(draw.on(self.effects))
+            self._drawn = self._gas_of(draw)
+
+    def touching(self) -> npt.NDArray[np.bool_]:
+        """Whether each finger and the palm touch the object, (6,)."""
+        touched = np.zeros(6, dtype=bool)
+        data = self.simulation.data
+        if data.ncon:
+            pair = self.contacts.member[data.contact.geom]
+            hand = pair[(pair == -2).any(axis=1)].max(axis=1)
+            touched[hand[hand >= 0]] = True
+        return touched
+
+
+class Scenes:
+    """Compiles scenes as they are first wanted, and keeps the latest; worlds get copies of them."""
+
+    def __init__(self, settings: SceneSettings) -> None:
+        self.settings = settings
+        self._compiled: OrderedDict[tuple[int, int], tuple[mujoco.MjModel, Effects]] = OrderedDict()
+
+    def world(self, index: tuple[int, int]) -> World:
+        """Return a new world of an object and a calibration, by their indices."""
+        if index not in self._compiled:
+            self._compiled[index] = self._compile(index)
+            if len(self._compiled) > MOST_SCENES:
+                self._compiled.popitem(last=False)
+        self._compiled.move_to_end(index)
+        model, effects = self._compiled[index]
+        return World(index=index, settings=self.settings, model=copy(model), effects=effects)
+
+    def _compile(self, index: tuple[int, int]) -> tuple[mujoco.MjModel, Effects]:
+        s = self.settings
+        model, calibration, effects = s.objects[index[0]], s.calibrations[index[1]], s.effects
+        if s.tolerance is not None:
+            effects, _ = choose(SceneFacts.of(model, calibration, effects), s.tolerance)
+
+        def add_object(root: Any) -> None:
+            apply_to_model(effects, root)
+            attach_object(root, model)
+
+        return build_scene(calibration, engine=s.engine, add_object=add_object).model, effects
+
+
+class WorldCache:
+    """The worlds of one environment, kept while they are among the latest."""
+
+    def __init__(self, scenes: Scenes) -> None:
+        self._scenes = scenes
+        self._worlds: OrderedDict[tuple[int, int], World] = OrderedDict()
+
+    def get(self, draw: Draw) -> World:
+        """Return the world of a draw, with the draw taken over."""
+        index = (draw.object, draw.calibration)
+        world = self._worlds.pop(index, None) or self._scenes.world(index)
+        self._worlds[index] = world
+        if len(self._worlds) > MOST_SCENES:
+            self._worlds.popitem(last=False)
+        world.apply(draw)
+        return world
+
+
+def names_of(objects: Sequence[ObjectModel]) -> tuple[str, ...]:
+    """Return the objects' names.
+
+    Raises
+    ------
+    ValueError
+        If there is none, or two share a name.
+    """
+    names = tuple(model.name for model in objects)
+    if not names or len(set(names)) < len(names):
+        raise ValueError(f"objects = {list(names)}: must be one or more, with different names")
+    return names
