@@ -15,6 +15,7 @@ from tqdm import tqdm
 
 from assets import asset_path
 from scripts import _cli
+from scripts._grasps import add_grasps, check_search, choose_grasps, cost
 from softhand_sim.benchmark.pictures import draw
 from softhand_sim.benchmark.plan import BenchmarkPlan
 from softhand_sim.benchmark.report import beyond_calibration, conditions, summarise, table, trial_rows
@@ -40,6 +41,8 @@ EXAMPLES = """examples:
   grasp_benchmark.py --ycb ycb/models --trials 5                # the YCB set as downloaded
   grasp_benchmark.py --trials 100 --workers 2 --store out/run.sqlite   # killed? the same line goes on
   grasp_benchmark.py --protocol six_forces                      # or a TOML file of your own
+  grasp_benchmark.py --objects mug --search 2000                # a longer search for the grasp; 0: scripted
+  grasp_benchmark.py --objects mug --grasps mine.toml           # your own grasps
   grasp_benchmark.py --trials 10 --check-steps 300 --workers 2  # do verdicts depend on the time step?
 An object that cannot be loaded is set aside, the rest of the run goes on; the exit status is then 1.
 """
@@ -65,6 +68,7 @@ def parser() -> _cli.Parser:
         metavar="NAME",
         help=f"{', '.join(protocol_names())}, or a TOML file (default {DEFAULT})",
     )
+    add_grasps(p)
     p.add_argument("--trials", type=_cli.positive_int, default=20, help="trials per object (default 20)")
     p.add_argument("--workers", type=_cli.positive_int, default=1, help="processes side by side (default 1)")
     p.add_argument(
@@ -95,8 +99,12 @@ def _job(argv: Sequence[str] | None) -> int:
     _cli.check_writable(args.store, "--store")
     if args.check_steps and args.timestep < 0.4:
         raise ValueError(f"--check-steps: a quarter of --timestep {args.timestep:g} ms is below 0.1 ms")
+    check_search(args.search)
     args.protocol = load_protocol(args.protocol)
     batch = load_all(_loaders(args))
+    grasps = choose_grasps(
+        batch.models, own=args.grasps, search=args.search, calibration=args.calibration, protocol=args.protocol
+    )
     plan = BenchmarkPlan(
         engine=EngineSettings(timestep_s=1e-3 * args.timestep),
         objects=batch.models,
@@ -104,6 +112,7 @@ def _job(argv: Sequence[str] | None) -> int:
         seed=args.seed,
         calibration=args.calibration,
         protocol=args.protocol,
+        grasps={name: grasp.kept.plan for name, grasp in grasps.items()},
     )
     total = len(plan.objects) * plan.trials
     with nullcontext() if args.store is None else TrialStore(args.store, plan) as store:
@@ -115,6 +124,7 @@ def _job(argv: Sequence[str] | None) -> int:
     if flags := beyond_calibration(results):
         print(flags)
     print(conditions(plan.protocol))
+    print(cost(grasps))
     if check is not None:
         print(check.text())
     for name, reason in batch.failures.items():
@@ -123,6 +133,7 @@ def _job(argv: Sequence[str] | None) -> int:
     if args.json is not None:
         notes = {model.name: list(model.notes) for model in plan.objects if model.notes}
         data: dict[str, Any] = {"settings": _settings(args), "not_tried": dict(batch.failures), "notes": notes}
+        data["grasps"] = {name: grasp.data() for name, grasp in grasps.items()}
         data["step_check"] = None if check is None else check.data()
         _cli.write_json(args.json, {**data, "objects": summary, "trials": trial_rows(results)})
     if not args.no_pictures:

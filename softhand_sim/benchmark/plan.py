@@ -1,11 +1,13 @@
 """What a benchmark runs, and its division into shards."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from softhand_sim.calibration import load_calibration
 from softhand_sim.effects import BENCH, Effects
+from softhand_sim.grasp.choice.shipped import default_grasp
+from softhand_sim.grasp.plan import GraspPlan
 from softhand_sim.grasp.protocol import GraspProtocol
 from softhand_sim.grasp.protocol_file import load_protocol
 from softhand_sim.grasp.result import TrialResult
@@ -35,6 +37,7 @@ class BenchmarkPlan:
     trials: per object; their seeds are ``seed .. seed + trials - 1``, the same for every object.
     calibration: finger calibration file; None for the shipped one.
     protocol, engine, effects: what a trial does, the engine's settings, and the effects of the scene.
+    grasps: by the name of the object; the others get their `default_grasp`.
     """
 
     objects: tuple[ObjectModel, ...]
@@ -44,6 +47,7 @@ class BenchmarkPlan:
     protocol: GraspProtocol = field(default_factory=load_protocol)
     engine: EngineSettings = field(default_factory=EngineSettings)
     effects: Effects = BENCH
+    grasps: Mapping[str, GraspPlan] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         names = [model.name for model in self.objects]
@@ -51,6 +55,10 @@ class BenchmarkPlan:
             raise ValueError(f"objects: {names} must be one or more different names")
         if self.trials < 1 or self.seed < 0:
             raise ValueError(f"trials: {self.trials} must be 1 or above, seed: {self.seed} 0 or above")
+
+    def grasp(self, model: ObjectModel) -> GraspPlan:
+        """Return the grasp of one of the objects."""
+        return self.grasps.get(model.name) or default_grasp(model)
 
     @property
     def trial_keys(self) -> tuple[tuple[str, int], ...]:
@@ -79,7 +87,14 @@ class BenchmarkPlan:
 def prepare_for(plan: BenchmarkPlan, model: ObjectModel) -> TrialSetup:
     """Return what the trials of one object of the plan share."""
     calibration = load_calibration(plan.calibration)
-    return prepare(model, calibration, protocol=plan.protocol, engine=plan.engine, effects=plan.effects)
+    return prepare(
+        model,
+        calibration,
+        protocol=plan.protocol,
+        engine=plan.engine,
+        effects=plan.effects,
+        plan=plan.grasp(model),
+    )
 
 
 def run_shard(plan: BenchmarkPlan, shard: Shard, last: TrialSetup | None) -> tuple[TrialSetup, Iterator[TrialResult]]:

@@ -5,7 +5,6 @@ import numpy as np
 
 from softhand_sim.simulation import HandSimulation
 
-
 Offset = tuple[float, float, float]
 
 

@@ -80,9 +80,8 @@ def _tilted(axis: Vector, largest_rad: float, rng: np.random.Generator) -> Vecto
     first /= np.linalg.norm(first, axis=1, keepdims=True)
     second = np.cross(axis, first)
     sine = np.sqrt(1.0 - cosine**2)
-    return (
-        cosine[:, None] * axis + (sine * np.cos(turn))[:, None] * first + (sine * np.sin(turn))[:, None] * second
-    )
+    sideways = np.cos(turn)[:, None] * first + np.sin(turn)[:, None] * second
+    return np.asarray(cosine[:, None] * axis + sine[:, None] * sideways)
 
 
 def _opposite(

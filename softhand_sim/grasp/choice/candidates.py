@@ -10,8 +10,8 @@ import numpy.typing as npt
 from softhand_sim.calibration import FingerCalibration
 from softhand_sim.elements import FINGERS
 from softhand_sim.grasp.choice.antipodal import AntipodalPairs, antipodal_pairs
-from softhand_sim.grasp.scripted import plan_grasp
 from softhand_sim.grasp.plan import FIRM_ANGLE_DEG, GraspPlan, pose_of_palm
+from softhand_sim.grasp.scripted import plan_grasp
 from softhand_sim.hand.anatomy import HandAnatomy
 from softhand_sim.objects.model import ObjectModel
 
@@ -19,6 +19,8 @@ Vector = npt.NDArray[np.float64]
 
 # choice: enough to find the sides of forty objects; a line costs 0.2 ms on a mesh of 5000 triangles
 PAIR_SAMPLES = 256
+# choice: pairs within half of the friction; one on the edge of the cone has none left for the weight
+CONE_SHARE = 0.5
 # choice: in the plane across the way in, pairs may lie askew by as much as friction 0.8 allows at both ends
 ASKEW = np.sin(np.arctan(0.8))
 # choice: how far fingertips may scrape along the table; straight, they give way to about 0.1 N there
@@ -89,7 +91,7 @@ def candidates(
     """
     reach = HandReach.of(calibration, anatomy)
     pairs = antipodal_pairs(
-        model.mesh, rng, samples=PAIR_SAMPLES, friction=model.friction, widest_m=reach.opening_m
+        model.mesh, rng, samples=PAIR_SAMPLES, friction=CONE_SHARE * model.friction, widest_m=reach.opening_m
     )
     level = np.flatnonzero(np.abs(pairs.direction[:, 2]) < ASKEW)
     _, main = np.linalg.eigh(model.inertia_kg_m2[:2, :2])
@@ -114,7 +116,9 @@ def some(plans: Iterator[GraspPlan], count: int) -> list[GraspPlan]:
     return list(itertools.islice(plans, count))
 
 
-def _near_centre(pairs: AntipodalPairs, level: npt.NDArray[np.int64], rng: np.random.Generator) -> tuple[Vector, Vector]:
+def _near_centre(
+    pairs: AntipodalPairs, level: npt.NDArray[np.int64], rng: np.random.Generator
+) -> tuple[Vector, Vector]:
     """Draw a pair, those nearer to the mass centre more often: a hold beside it lets the object tilt."""
     middle = pairs.middle_m[level]
     weight = np.exp(-0.5 * (np.linalg.norm(middle[:, :2], axis=1) / (2.0 * JITTER_M)) ** 2) + 1e-3
@@ -179,7 +183,7 @@ def _tilted_down(pitch_rad: float, roll_rad: float) -> Vector:
     cp, sp, cr, sr = np.cos(pitch_rad), np.sin(pitch_rad), np.cos(roll_rad), np.sin(roll_rad)
     pitch = np.array([[cp, 0.0, sp], [0.0, 1.0, 0.0], [-sp, 0.0, cp]])
     roll = np.array([[1.0, 0.0, 0.0], [0.0, cr, -sr], [0.0, sr, cr]])
-    return pitch @ roll @ down
+    return np.asarray(pitch @ roll @ down)
 
 
 def _upright(tilt_rad: float) -> Vector:
