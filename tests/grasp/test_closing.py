@@ -20,9 +20,9 @@ def closing(model, calibration):
     return closing_of(model, calibration, load_protocol(), HandAnatomy())
 
 
-def test_an_apple_is_held_with_margin_wherever_it_lies_and_again_to_the_bit(calibration):
+def test_an_apple_is_held_with_margin_beside_its_place_too_and_again_to_the_bit(calibration):
     apple = make_object("apple")
-    offsets = [HERE, (0.008, -0.008, 0.1)]
+    offsets = [HERE, (0.003, -0.005, -0.16)]
     first = closing(apple, calibration).load_factors([plan_grasp(apple)], offsets)
     assert first == pytest.approx(np.full((1, 2), LAST_LOAD))
     assert np.array_equal(first, closing(apple, calibration).load_factors([plan_grasp(apple)], offsets))
