@@ -5,7 +5,7 @@ Five runs of analysis (iii): a closed pressure cycle, of which the identificatio
 """
 
 import json
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from fea.study import FingerCase, Setup
@@ -45,21 +45,26 @@ RUNS = {
 that bend the finger back by half or so, but for the last ones at 45 kPa, which straighten it."""
 
 
-def check_run(name: str, figures: dict[str, Any], setup: Setup, *, any_code: bool) -> None:
-    """Check that figures, as ``scripts/fea.py finger --json`` writes them, are those of a run here.
+def check_run(name: str, run: Run, figures: dict[str, Any], setup: Setup, *, any_code: bool) -> None:
+    """Check that figures, as ``scripts/fea.py finger --json`` writes them, are those of a run with this setup.
+
+    With ``any_code`` what older code did not know of a finger's case has its default.
 
     Raises
     ------
     ValueError
         If they are of another finger, material, mesh, case, code (unless ``any_code``), or ended early.
     """
-    wanted = json.loads(json.dumps(setup.provenance()))
+    case = replace(setup, finger=run.case)
+    wanted = json.loads(json.dumps(case.provenance()))
     keys = ["geometry", "materials", "density", "rings", "finger"] + ([] if any_code else ["code_sha256"])
     found = figures.get("provenance", {})
+    if any_code and isinstance(found.get("finger"), dict):
+        found = found | {"finger": json.loads(json.dumps(asdict(FingerCase()))) | found["finger"]}
     for key in keys:
         if found.get(key) != wanted[key]:
             raise ValueError(f"{name}: provenance.{key} is not that of this run")
-    path = setup.finger.path(RUNS[name].pressures_pa_gauge)
+    path = run.case.path(run.pressures_pa_gauge)
     targets = [0.0, *path.targets]
     for field, value in (("pressure_pa_gauge", path.pressure), ("tip_load_n", path.tip_load)):
         if figures.get(field) != [value(target) for target in targets]:

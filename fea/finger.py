@@ -36,6 +36,8 @@ load step."""
 
 FIRST_STEP_PA, LARGEST_STEP_PA = 1.5e3, 8e3
 """Choices: steps of 8 kPa take 7 to 11 iterations with friction (measured); the first ones meet the contact."""
+WEIGHED_BY_PA = 4e3
+"""Choice: pressure by which the whole weight acts; friction, which would remember the way, hardly holds there."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -204,12 +206,29 @@ def _with_regions(options: AnyOptions, mesh: SolidMesh, tube: I64, geometry: Fin
     return replace(options, law=ByRegion(laws=(law, holds), region=(inner & ~in_gap).astype(np.int64)))
 
 
+def finger_weight(
+    model: FingerModel,
+    silicone: Material,
+    pet: Material,
+    tpu: Material,
+    gravity_m_per_s2: tuple[float, float],
+) -> F64:
+    """Return the nodal forces of the half model's own weight [n_nodes, 3].
+
+    ``gravity_m_per_s2`` lies in the plane of symmetry: towards the palm side, and along the straight finger to its tip.
+    """
+    densities = {SILICONE: silicone.density_kg_m3, RING: pet.density_kg_m3, TPU: tpu.density_kg_m3}
+    x, z = gravity_m_per_s2
+    return model.solid.gravity_force(densities, np.array([x, 0.0, z]))
+
+
 def analyse_finger(
     model: FingerModel,
     geometry: FingerGeometry,
     path: FingerPath,
     *,
     wall: TipWall | None = None,
+    weight_n: F64 | None = None,
     options: NewtonOptions | None = None,
     progress: Callable[[], None] = lambda: None,
     sweep: Sweep | None = None,
@@ -217,7 +236,8 @@ def analyse_finger(
     """Take the finger along a path; ends early where equilibrium is lost.
 
     With a ``wall`` in front of the tip this is the blocked test. Tip loads are dead loads on the end plate towards the
-    back of the hand, as an object pushes that the finger closes on.
+    back of the hand, as an object pushes that the finger closes on. The weight, nodal forces of the half model
+    (:func:`finger_weight`), comes in with the pressure up to ``WEIGHED_BY_PA`` and stays.
     """
     share = _end_plate_share(model.solid, geometry)
     parameters, states = [0.0], [np.zeros_like(model.solid.mesh.points_m)]
@@ -229,12 +249,16 @@ def analyse_finger(
         states[:] = [u_m]
         progress()
 
+    def load_at(parameter: float) -> Load:
+        force = 0.5 * path.tip_load(parameter) * share if path.tip_loads_n else None
+        if weight_n is not None:
+            weighed = min(1.0, parameter / WEIGHED_BY_PA) * weight_n
+            force = weighed if force is None else force + weighed
+        return Load(pressure_pa_gauge=path.pressure(parameter), force_n=force)
+
     outcome = follow(
         model.solid,
-        lambda parameter: Load(
-            pressure_pa_gauge=path.pressure(parameter),
-            force_n=0.5 * path.tip_load(parameter) * share if path.tip_loads_n else None,
-        ),
+        load_at,
         path.targets,
         options or OPTIONS,
         on_target=record,

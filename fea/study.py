@@ -14,7 +14,7 @@ from fea.compiled import kernel_name
 from fea.density import Density
 from fea.exoskeleton import analyse_exoskeleton, exoskeleton_model
 from fea.fields import node_strain, point_positions, von_mises_fields
-from fea.finger import CONTACT, FRICTION, analyse_finger, finger_model
+from fea.finger import CONTACT, FRICTION, analyse_finger, finger_model, finger_weight
 from fea.finger import MESHES as FINGER_MESHES
 from fea.finger_path import FingerPath
 from fea.geometry import JOINT_NAMES, FingerGeometry
@@ -24,6 +24,9 @@ from fea.newton import Status
 from fea.path import Step, Sweep
 from fea.quality import mesh_quality
 from fea.tip_wall import tip_wall
+
+MOST_GRAVITY_M_PER_S2 = 100.0
+"""Choice: ten times the earth's; a larger one is a mistake of units."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,6 +45,9 @@ class FingerCase:
         Distance of a wall in front of the tip; None: the tip is free.
     no_separation : bool
         The actuator does not leave the walls of the tube's sections.
+    gravity_m_per_s2 : tuple of two floats or None
+        The finger has its weight, under gravity in its plane of symmetry: towards the palm side, and along the straight
+        finger to its tip. None: it has no weight.
     """
 
     friction: float = FRICTION
@@ -49,9 +55,16 @@ class FingerCase:
     tip_loads_n: tuple[float, ...] = ()
     sensor_distance_m: float | None = None
     no_separation: bool = False
+    gravity_m_per_s2: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
         replace(CONTACT, friction=self.friction)
+        gravity = self.gravity_m_per_s2
+        if gravity is not None and not (len(gravity) == 2 and np.hypot(*gravity) <= MOST_GRAVITY_M_PER_S2):
+            raise ValueError(
+                f"gravity_m_per_s2 = {gravity} must be two numbers (palm side, tip) of at most "
+                f"{MOST_GRAVITY_M_PER_S2:g} together"
+            )
         if self.sensor_distance_m is not None and not 0.0 < self.sensor_distance_m < 0.2:
             raise ValueError(f"sensor_distance_m = {self.sensor_distance_m} must lie in (0, 0.2) m")
         self.path((1.0,))
@@ -181,9 +194,12 @@ def finger_study(setup: Setup, pressures_pa_gauge: Sequence[float], sweep: Sweep
     wall = None
     if case.sensor_distance_m is not None:
         wall = tip_wall(model.solid.mesh, g, distance_m=case.sensor_distance_m)
+    weight = None
+    if case.gravity_m_per_s2 is not None:
+        weight = finger_weight(model, setup.silicone, setup.pet, setup.tpu, case.gravity_m_per_s2)
     sweep, kept = _keeping(sweep)
     path = case.path(pressures_pa_gauge)
-    result = analyse_finger(model, g, path, wall=wall, sweep=sweep)
+    result = analyse_finger(model, g, path, wall=wall, weight_n=weight, sweep=sweep)
     parameters = path.targets[: len(result.branch) - 1]
     states = [np.zeros_like(model.solid.mesh.points_m), *(kept[parameter] for parameter in parameters)]
     figures = {

@@ -36,6 +36,7 @@ EXAMPLES = """examples:
   fea.py finger --mesh coarse --friction 0.3 --json out/finger.json --out out/finger    # up to 80 kPa and back
   fea.py finger --mesh coarse --blocked --no-unload --json out/blocked.json             # tip force at 40 mm
   fea.py finger --pressures 15,30,45 --tip-loads 0.05,0.1,0.2 --json out/tip_load.json  # loaded at 45 kPa
+  fea.py finger --no-unload --gravity=-9.81,0 --json out/palm_up.json                   # level, its weight opens it
   fea.py exoskeleton --tpu ninjaflex/set2 --json out/exoskeleton.json --out out/exoskeleton
 A killed run with --out goes on from its last converged step when the same command is given again.
 """
@@ -138,6 +139,12 @@ def parser() -> _cli.Parser:
         help="finger: loads on the tip at the last pressure, in newtons",
     )
     p.add_argument(
+        "--gravity",
+        type=numbers,
+        metavar="X,Z",
+        help="finger: its own weight, gravity in m/s2 towards the palm side and along the finger to its tip (none)",
+    )
+    p.add_argument(
         "--volumetric", choices=VOLUMETRIC_READINGS, help="reading of the volumetric term (default: the sheet's own)"
     )
     p.add_argument("--mesh", choices=list(DENSITIES), default="calibration", help="mesh density (%(default)s)")
@@ -209,11 +216,13 @@ def _finger_case(args: Any) -> FingerCase:
         "tip_loads_n": None if args.tip_loads is None else tuple(args.tip_loads),
         "sensor_distance_m": None if args.blocked is None else 1e-3 * args.blocked,
         "no_separation": args.no_separation or None,
+        "gravity_m_per_s2": None if args.gravity is None else tuple(args.gravity),
     }
     given = {name: value for name, value in given.items() if value is not None}
     if given and args.analysis != "finger":
         raise ValueError(
-            f"--friction, --unload, --blocked, --no-separation and --tip-loads are not options of {args.analysis}"
+            "--friction, --unload, --blocked, --no-separation, --tip-loads and --gravity are not options of "
+            f"{args.analysis}"
         )
     return FingerCase(**given)
 

@@ -1,9 +1,9 @@
-"""Run the finite-element finger on bench tests and write ``assets/calibration/finger_evidence.json``."""
+"""Run the finite-element finger on bench tests, or under its own weight, and write the evidence to a file."""
 
 import json
 import sys
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -16,15 +16,31 @@ from tqdm import tqdm
 from assets import asset_path
 from fea.calibration import load_materials
 from fea.density import DENSITIES
-from fea.evidence import RUNS, check_run, evidence
+from fea.evidence import RUNS, Run, check_run, evidence
 from fea.geometry import FingerGeometry
 from fea.newton import Status
 from fea.path import Step, Sweep
 from fea.study import Setup, finger_study
+from fea.weight_evidence import WEIGHT_RUNS, weight_evidence
 from scripts import _cli
 
+
+@dataclass(frozen=True, kw_only=True)
+class Kind:
+    """Runs that become one file: their names, how they are put together, and the shipped file's name."""
+
+    runs: dict[str, Run]
+    contents: Callable[[dict[str, dict[str, Any]]], dict[str, Any]]
+    file: str
+
+
+KINDS = {
+    "bench": Kind(runs=RUNS, contents=evidence, file="finger_evidence.json"),
+    "weight": Kind(runs=WEIGHT_RUNS, contents=weight_evidence, file="finger_weight_evidence.json"),
+}
 EXAMPLES = """examples:
   finger_evidence.py                                   # the shipped evidence, about 40 minutes on one core
+  finger_evidence.py weight                            # that of the finger's weight, about 20 minutes
   finger_evidence.py --density coarse --out out/evidence.json --runs out/evidence
 A killed run goes on after its last finished test when the same command is given again; --any-code also takes tests that
 an earlier version of the code has run. Each file in --runs is what `fea.py finger --json` writes.
@@ -34,12 +50,13 @@ an earlier version of the code has run. Each file in --runs is what `fea.py fing
 def parser() -> _cli.Parser:
     """Return the command line."""
     p = _cli.Parser(description=__doc__, examples=EXAMPLES)
+    p.add_argument("kind", nargs="?", choices=sorted(KINDS), default="bench", help="which runs (%(default)s)")
     p.add_argument("--density", choices=sorted(DENSITIES), default="calibration", help="mesh density (%(default)s)")
     _cli.add_materials(p)
     _cli.add_dimension(p)
     p.add_argument("--runs", type=Path, default=Path("out/evidence"), help="folder of finished tests (%(default)s)")
     p.add_argument("--any-code", action="store_true", help="take finished tests of another version of the code")
-    p.add_argument("--out", type=Path, help="evidence file (assets/calibration/finger_evidence.json)")
+    p.add_argument("--out", type=Path, help="evidence file (the shipped one in assets/calibration)")
     p.add_common(seed="taken for uniformity; nothing is random", json="write what each test cost here")
     return p
 
@@ -47,8 +64,10 @@ def parser() -> _cli.Parser:
 def job(argv: Sequence[str] | None = None) -> int:
     """Run the tests that are missing and put all together; return the exit status."""
     args = parser().parse_args(argv)
-    out = args.out if args.out is not None else asset_path("calibration") / "finger_evidence.json"
-    for path in (args.json, out, *(args.runs / f"{name}.json" for name in RUNS)):
+    kind = KINDS[args.kind]
+    out = args.out if args.out is not None else asset_path("calibration") / kind.file
+    files = {name: args.runs / f"{name.replace(' ', '_')}.json" for name in kind.runs}
+    for path in (args.json, out, *files.values()):
         _cli.check_writable(path)
     materials = load_materials(*args.materials)
     setup = Setup(
@@ -58,13 +77,14 @@ def job(argv: Sequence[str] | None = None) -> int:
         pet=materials.pet,
         density=DENSITIES[args.density],
     )
-    done = {name: _finished(args.runs / f"{name}.json", name, setup, any_code=args.any_code) for name in RUNS}
-    for name in [name for name, figures in done.items() if figures is None]:
-        fresh = _run(name, _of(name, setup))
-        _cli.write_json(args.runs / f"{name}.json", fresh)
-        done[name] = fresh
-    figures = {name: run for name, run in done.items() if run is not None}
-    contents = evidence(figures)
+    figures: dict[str, dict[str, Any]] = {}
+    for name, run in kind.runs.items():
+        found = _finished(files[name], name, run, setup, any_code=args.any_code)
+        if found is None:
+            found = _run(name, run, setup)
+            _cli.write_json(files[name], found)
+        figures[name] = found
+    contents = kind.contents(figures)
     _cli.write_json(out, contents)
     if args.json is not None:
         _cli.write_json(args.json, contents["provenance"]["runs"])
@@ -72,32 +92,28 @@ def job(argv: Sequence[str] | None = None) -> int:
     return 0
 
 
-def _of(name: str, setup: Setup) -> Setup:
-    return replace(setup, finger=RUNS[name].case)
-
-
-def _finished(path: Path, name: str, setup: Setup, *, any_code: bool) -> dict[str, Any] | None:
+def _finished(path: Path, name: str, run: Run, setup: Setup, *, any_code: bool) -> dict[str, Any] | None:
     """Return a finished test's figures, None if there are none or they are of something else."""
     if not path.is_file():
         return None
     try:
         figures: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-        check_run(name, figures, _of(name, setup), any_code=any_code)
+        check_run(name, run, figures, setup, any_code=any_code)
     except ValueError as error:
         print(f"{path}: run again: {error}", file=sys.stderr)
         return None
     return figures
 
 
-def _run(name: str, setup: Setup) -> dict[str, Any]:
-    pressures = RUNS[name].pressures_pa_gauge
-    targets = setup.finger.path(pressures).targets
+def _run(name: str, run: Run, setup: Setup) -> dict[str, Any]:
+    setup = replace(setup, finger=run.case)
+    targets = run.case.path(run.pressures_pa_gauge).targets
     with tqdm(total=len(targets), desc=name, unit="level") as bar:
 
         def on_step(step: Step) -> None:
             bar.update(int(step.parameter in targets))
 
-        study = finger_study(setup, pressures, Sweep(on_step=on_step))
+        study = finger_study(setup, run.pressures_pa_gauge, Sweep(on_step=on_step))
     if study.status is not Status.CONVERGED:
         raise ValueError(f"{name}: {study.status.value} above {study.levels[-1]:g} Pa; no evidence is written")
     return study.figures | {"analysis": "finger", "provenance": setup.provenance()}

@@ -76,7 +76,7 @@ class HandSimulation:
     wrist_target: x, y, z (m), yaw, pitch, roll (rad), shape (6,); approached at the wrist's limited speed.
     set_pressure_pa_gauge: wanted pressure per element (Pa), shape (3,).
     range_watch: what went beyond the calibrated range since the reset; never silently extrapolated.
-    losses: friction and relaxation of the fingers; by default the calibration's friction alone.
+    losses: friction, relaxation and relief of the fingers; by default the calibration's friction alone.
 
     Without `pneumatics` (None) the fingers have the wanted pressure at once, and there is no gas.
     """
@@ -96,7 +96,7 @@ class HandSimulation:
         self._played: Iterator[tuple[float, ...]] | None = None
         losses = Losses.of(self.calibration) if self.losses is None else self.losses
         self.losses = losses
-        self._loses = losses.sliding is not None or losses.relaxation is not None
+        self._loses, self._relieved = losses.any, losses.relief is not None
 
     def reset(self, rng: np.random.Generator, wrist_pose: Vector) -> None:
         """Start anew with empty fingers and the wrist standing at `wrist_pose`, shape (6,)."""
@@ -153,7 +153,7 @@ class HandSimulation:
         return self.pneumatics.finger_pressures_pa_gauge(self.gas)
 
     def _next_losses_n(self, elongation_m: Vector, pressure_pa_gauge: Vector) -> Vector:
-        """Step friction and relaxation and return their force along each finger's elongation (N), shape (5,)."""
+        """Step the losses and return their force along each finger's elongation (N), shape (5,)."""
         if self.losses is None:
             return np.zeros(len(FINGERS))
         # an engine that diverges shows infinite angles before it says so
@@ -185,12 +185,17 @@ class HandSimulation:
         return self.index.elongations_m(self.data)
 
     def chamber_volumes_m3(self) -> Vector:
-        """Volume of each finger's chamber without bulging, shape (5,): V(delta) at the tendon's present length."""
+        """Volume of each finger's chamber without bulging, shape (5,): V(delta) at the tendon's present length.
+
+        Where a relief lets actuators out, delta is longer by that.
+        """
         return np.array(self._volumes_m3(self.elongations_m()))
 
     def _volumes_m3(self, elongation_m: Vector) -> list[float]:
         chamber = self.calibration.chamber
         volume, area, half_slope = chamber.volume_m3, chamber.area_m2, 0.5 * chamber.area_slope_m
+        if self._relieved:
+            elongation_m = elongation_m + self.loss_state.bulge_m
         # five plain numbers are quicker than arrays of five
         return [volume + d * (area + half_slope * d) for d in elongation_m.tolist()]
 

@@ -9,6 +9,7 @@ from softhand_sim.calibration.parts import (
     TendonCalibration,
 )
 from softhand_sim.calibration.reader import FingerCalibration, load_calibration
+from softhand_sim.calibration.weight import WeightEvidence, load_weight_evidence
 
 __all__ = [
     "JOINTS",
@@ -18,6 +19,8 @@ __all__ = [
     "FingerEvidence",
     "SlidingCalibration",
     "TendonCalibration",
+    "WeightEvidence",
     "load_calibration",
     "load_evidence",
+    "load_weight_evidence",
 ]

@@ -67,24 +67,37 @@ class FingerEvidence:
 
     def require_same_finger(self, calibration: FingerCalibration) -> None:
         """Raise unless the calibration is of the dimensions, materials and mesh that the evidence was measured with."""
-        for name, value in self.geometry.items():
-            if calibration.geometry.get(name) != value:
-                raise ValueError(
-                    f"geometry.{name} = {calibration.geometry.get(name)!r}: the evidence is of a finger with {value!r}"
-                )
-        made = calibration.notes["provenance"]
-        if made.get("density") != self.provenance.get("density"):
+        require_same_finger(self.geometry, self.provenance, calibration)
+
+
+def require_same_finger(
+    geometry: Mapping[str, Any], provenance: Mapping[str, Any], calibration: FingerCalibration
+) -> None:
+    """Raise unless a calibration is of the dimensions, materials and mesh of a piece of evidence.
+
+    Raises
+    ------
+    ValueError
+        If it is of another finger; the message names the field.
+    """
+    for name, value in geometry.items():
+        if calibration.geometry.get(name) != value:
             raise ValueError(
-                f"provenance.density = {made.get('density')!r}: the evidence is of {self.provenance.get('density')!r}"
+                f"geometry.{name} = {calibration.geometry.get(name)!r}: the evidence is of a finger with {value!r}"
             )
-        own = made.get("materials", {})
-        for material in self.provenance.get("materials", {}).values():
-            found = own.get(material["name"], {})
-            if found.get("parameters") != material["parameters"]:
-                raise ValueError(
-                    f"provenance.materials.{material['name']} is of set {found.get('set')!r}: the evidence is of "
-                    f"{material['set']!r}"
-                )
+    made = calibration.notes["provenance"]
+    if made.get("density") != provenance.get("density"):
+        raise ValueError(
+            f"provenance.density = {made.get('density')!r}: the evidence is of {provenance.get('density')!r}"
+        )
+    own = made.get("materials", {})
+    for material in provenance.get("materials", {}).values():
+        found = own.get(material["name"], {})
+        if found.get("parameters") != material["parameters"]:
+            raise ValueError(
+                f"provenance.materials.{material['name']} is of set {found.get('set')!r}: the evidence is of "
+                f"{material['set']!r}"
+            )
 
 
 def load_evidence(path: Path | None = None) -> FingerEvidence:

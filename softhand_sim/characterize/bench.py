@@ -13,6 +13,7 @@ from softhand_sim.hand.hand import add_defaults
 from softhand_sim.hand.scene import EngineSettings, compile_scene, empty_root
 from softhand_sim.losses import Losses
 from softhand_sim.relaxation import MaxwellBranch
+from softhand_sim.relief import ProximalRelief
 
 Vector = npt.NDArray[np.float64]
 NAME = "finger"
@@ -58,6 +59,8 @@ class Bench:
         Gravity's vector in the bench's frame (x: bending, z: along the straight finger), shape (3,).
     relaxation
         Branches of the wall's relaxation, none by default.
+    relief
+        Relief at the proximal joint, none by default.
     """
 
     def __init__(
@@ -67,12 +70,13 @@ class Bench:
         wall_distance_m: float | None = None,
         gravity_m_per_s2: tuple[float, float, float] = (0.0, 0.0, 0.0),
         relaxation: tuple[MaxwellBranch, ...] = (),
+        relief: ProximalRelief | None = None,
     ) -> None:
         self.calibration = calibration
         self.model = _model(calibration, wall_distance_m)
         self.model.opt.gravity[:] = gravity_m_per_s2
         self.data = mujoco.MjData(self.model)
-        self.losses = Losses.of(calibration, relaxation)
+        self.losses = Losses.of(calibration, relaxation, relief)
         model, names = self.model, [f"{NAME}_{joint}" for joint in JOINTS]
         self.qpos = np.array([model.joint(name).qposadr[0] for name in names])
         self.tendon = model.tendon(f"{NAME}_actuator").id
@@ -90,13 +94,18 @@ class Bench:
         return float(self.model.tendon_length0[self.tendon] - self.data.ten_length[self.tendon])
 
     @property
+    def bulge_m(self) -> float:
+        """What the relief has let out of the actuator [m], which is longer by it than the joints ask for."""
+        return float(self._losses.bulge_m[0])
+
+    @property
     def pressure_force_n(self) -> float:
         """Force of the pressure along the elongation in the last step [N]."""
         return float(self.data.actuator_force[self._pressure_ctrl])
 
     @property
     def loss_force_n(self) -> float:
-        """Force of friction and relaxation along the elongation in the last step [N]."""
+        """Force of friction, relaxation and relief along the elongation in the last step [N]."""
         return float(self.data.actuator_force[self._loss_ctrl])
 
     def step(self, pressure_pa_gauge: float, tip_load_n: float = 0.0, *, nstep: int = 1) -> None:
@@ -151,7 +160,7 @@ class Bench:
             tip_load_n=self._load,
             joint_angle_rad=self.data.qpos[self.qpos].copy(),
             elongation_m=elongation,
-            volume_m3=chamber.volume_m3_at(elongation) + chamber.bulging_m3_per_pa * self._pressure,
+            volume_m3=chamber.volume_m3_at(elongation + self.bulge_m) + chamber.bulging_m3_per_pa * self._pressure,
             tip_displacement_m=float(np.linalg.norm(self.data.site_xpos[self._tip] - self._tip_at_rest)),
             wall_force_n=self._wall_force_n(),
         )

@@ -6,6 +6,7 @@ from softhand_sim.calibration import FingerCalibration, FingerEvidence
 from softhand_sim.characterize.energy import energy
 from softhand_sim.characterize.hysteresis import hysteresis
 from softhand_sim.characterize.pressure_sweep import pressure_angle_report
+from softhand_sim.characterize.relief import relief
 from softhand_sim.characterize.report import Report
 from softhand_sim.characterize.tip_force import tip_force
 from softhand_sim.characterize.tip_load import tip_load
@@ -16,4 +17,5 @@ STUDIES: dict[str, Callable[[FingerCalibration, FingerEvidence], Report]] = {
     "tip-load": tip_load,
     "hysteresis": hysteresis,
     "energy": energy,
+    "relief": relief,
 }

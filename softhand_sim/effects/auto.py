@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from types import MappingProxyType
 
-from softhand_sim.effects import gravity, interference, relaxation, sliding
+from softhand_sim.effects import gravity, interference, relaxation, relief, sliding
 from softhand_sim.effects.effects import NEED_GAS, Effects
 from softhand_sim.effects.kind import Estimate
 from softhand_sim.effects.questions import rehearsed
@@ -43,6 +43,11 @@ def _gas(_scene: SceneFacts) -> Estimate:
     return Estimate(own_deg=math.inf, redraws=True, reason=reason)
 
 
+def _relief(scene: SceneFacts) -> Estimate:
+    assert scene.offered.relief is not None
+    return relief.question(scene, scene.offered.relief)
+
+
 QUESTIONS: Mapping[str, Callable[[SceneFacts], Estimate]] = MappingProxyType(
     {
         "gas": _gas,
@@ -54,6 +59,7 @@ QUESTIONS: Mapping[str, Callable[[SceneFacts], Estimate]] = MappingProxyType(
         "sensor": partial(rehearsed, name="sensor", what="noise and steps of the readings"),
         "sliding": sliding.question,
         "relaxation": relaxation.question,
+        "relief": _relief,
         "interference": interference.question,
         "gravity": gravity.question,
     }

@@ -41,9 +41,9 @@ def build_pneumatics(
 
 
 def build_losses(effects: Effects, calibration: FingerCalibration) -> Losses:
-    """Return friction and relaxation of the fingers, each only if the effects have it."""
-    with_both = Losses.of(calibration, effects.relaxation or ())
-    return with_both if effects.sliding is not None else replace(with_both, sliding=None)
+    """Return friction, relaxation and relief of the fingers, each only if the effects have it."""
+    with_friction = Losses.of(calibration, effects.relaxation or (), effects.relief)
+    return with_friction if effects.sliding is not None else replace(with_friction, sliding=None)
 
 
 def apply_to_model(effects: Effects, root: Any) -> None:

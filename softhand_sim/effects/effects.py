@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from types import MappingProxyType
 
-from softhand_sim.effects import gas, gravity, interference, relaxation, sliding, tube
+from softhand_sim.effects import gas, gravity, interference, relaxation, relief, sliding, tube
 from softhand_sim.effects.gas import GasDynamics
 from softhand_sim.effects.gravity import FingerGravity
 from softhand_sim.effects.interference import FingerInterference
@@ -17,6 +17,7 @@ from softhand_sim.pneumatics.sensor import PressureSensor
 from softhand_sim.pneumatics.supply import Supply
 from softhand_sim.pneumatics.thermal import Polytropic
 from softhand_sim.relaxation import CONDITIONED_SILICONE, MaxwellBranch
+from softhand_sim.relief import ProximalRelief
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,6 +44,8 @@ class Effects:
         Hysteresis from friction of the actuators (torque).
     relaxation
         Branches of the walls' relaxation (torque).
+    relief
+        Actuators that come out at the proximal joint where the thrust is too large (torque).
     interference
         Contact between fingers (model).
     gravity
@@ -63,6 +66,7 @@ class Effects:
     sensor: PressureSensor | None = None
     sliding: SlidingHysteresis | None = None
     relaxation: tuple[MaxwellBranch, ...] | None = None
+    relief: ProximalRelief | None = None
     interference: FingerInterference | None = None
     gravity: FingerGravity | None = None
 
@@ -91,6 +95,7 @@ ACTS_ON: Mapping[str, ActsOn] = MappingProxyType(
         "sensor": ActsOn.COMMAND,
         "sliding": sliding.ACTS_ON,
         "relaxation": relaxation.ACTS_ON,
+        "relief": relief.ACTS_ON,
         "interference": interference.ACTS_ON,
         "gravity": gravity.ACTS_ON,
     }
@@ -124,7 +129,7 @@ FULL = Effects(
     interference=FingerInterference(),
     gravity=FingerGravity(),
 )
-"""Everything that every scene has; a leak has to be declared."""
+"""Everything that every scene has; a leak has to be declared, and so has the relief, of which no force is stated."""
 
 PRESETS: Mapping[str, Effects] = MappingProxyType({"ideal": IDEAL, "bench": BENCH, "full": FULL})
 """Presets by name."""
