@@ -16,6 +16,7 @@ from tqdm import tqdm
 from assets import asset_path
 from scripts import _cli
 from scripts._grasps import add_grasps, check_search, choose_grasps, cost
+from softhand_sim.benchmark.halves import DEVELOPMENT, REPORT, half, held_in_halves
 from softhand_sim.benchmark.pictures import draw
 from softhand_sim.benchmark.plan import BenchmarkPlan
 from softhand_sim.benchmark.report import beyond_calibration, conditions, summarise, table, trial_rows
@@ -51,7 +52,10 @@ An object that cannot be loaded is set aside, the rest of the run goes on; the e
 def parser() -> _cli.Parser:
     """Return the command line's definition."""
     p = _cli.Parser(description=__doc__, examples=EXAMPLES)
-    p.add_argument("--objects", help="names from the catalogue, comma-separated, or 'all' (default without meshes)")
+    p.add_argument(
+        "--objects",
+        help="catalogue names, comma-separated, 'all' (default without meshes), or a half: 'development', 'report'",
+    )
     p.add_argument(
         "--mesh", type=Path, nargs="+", default=[], help="meshes of your own (OBJ, STL, PLY, GLB), in metres"
     )
@@ -125,6 +129,8 @@ def _job(argv: Sequence[str] | None) -> int:
         print(flags)
     print(conditions(plan.protocol))
     print(cost(grasps))
+    if line := held_in_halves(results, load_catalogue()):
+        print(line)
     if check is not None:
         print(check.text())
     for name, reason in batch.failures.items():
@@ -169,13 +175,20 @@ def _loaders(args: argparse.Namespace) -> dict[str, Callable[[], ObjectModel]]:
         for name in ycb_names(args.ycb):
             loaders[name] = partial(load_ycb_object, args.ycb, name, mass_kg=mass, friction=args.friction)
     if args.objects is not None or not (args.mesh or args.ycb):
-        known = list(load_catalogue())
-        asked = known if args.objects in (None, "all") else [name.strip() for name in args.objects.split(",")]
-        for name in asked:
-            if name not in known:
-                raise ValueError(f"--objects: {name!r} is not in the catalogue {known}")
+        for name in _catalogue_names(args.objects):
             loaders[name] = partial(_from_catalogue, name, args)
     return loaders
+
+
+def _catalogue_names(objects: str | None) -> list[str]:
+    known = list(load_catalogue())
+    if objects is not None and objects in (DEVELOPMENT, REPORT):
+        return half(known, objects)
+    asked = known if objects is None or objects == "all" else [name.strip() for name in objects.split(",")]
+    for name in asked:
+        if name not in known:
+            raise ValueError(f"--objects: {name!r} is not in the catalogue {known}")
+    return asked
 
 
 def _mesh(path: Path, args: argparse.Namespace) -> ObjectModel:
