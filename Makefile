@@ -1,10 +1,10 @@
-# make setup | bench | test | check | wheel-check
+# make setup | bench | test | check | wheel-check | browser-check
 PYTHON ?= python3.11
 BIN := .venv/bin
 STAMP := .venv/.installed
 WORKERS ?= 2
 
-.PHONY: setup bench test check wheel-check hand clean
+.PHONY: setup bench test check wheel-check browser-check hand clean
 
 setup: $(STAMP)
 
@@ -31,6 +31,10 @@ check: $(STAMP)
 # the wheel, in an empty environment outside the checkout
 wheel-check: $(STAMP)
 	bash .ci/wheel_check
+
+# the HTML report in headless Chromium, which is installed on Debian if there is none
+browser-check: $(STAMP)
+	bash .ci/browser_check
 
 # assets/hand/*.xml from the shipped calibration
 hand: $(STAMP)

@@ -15,10 +15,12 @@ from tqdm import tqdm
 
 from assets import asset_path
 from scripts import _cli
-from scripts._grasps import add_grasps, check_search, choose_grasps, cost
+from scripts._grasp_report import read_sweep, write_report
+from scripts._grasps import ChosenGrasp, add_grasps, check_search, choose_grasps, cost
 from softhand_sim.benchmark.halves import DEVELOPMENT, REPORT, half, held_in_halves
 from softhand_sim.benchmark.pictures import draw
 from softhand_sim.benchmark.plan import BenchmarkPlan
+from softhand_sim.benchmark.ray_engine import LOCAL
 from softhand_sim.benchmark.report import beyond_calibration, conditions, summarise, table, trial_rows
 from softhand_sim.benchmark.runner import in_order, run_benchmark
 from softhand_sim.benchmark.step_check import StepCheck, compare, drawn, finer, repeat
@@ -27,7 +29,7 @@ from softhand_sim.grasp.protocol_file import DEFAULT, load_protocol, protocol_na
 from softhand_sim.grasp.result import TrialResult
 from softhand_sim.grasp.stage import Phase
 from softhand_sim.hand.scene import EngineSettings
-from softhand_sim.objects.batch import load_all
+from softhand_sim.objects.batch import Batch, load_all
 from softhand_sim.objects.catalogue import load_catalogue, make_object
 from softhand_sim.objects.loader import load_mesh_object
 from softhand_sim.objects.model import DEFAULT_FRICTION, ObjectModel
@@ -45,6 +47,8 @@ EXAMPLES = """examples:
   grasp_benchmark.py --objects mug --search 2000                # a longer search for the grasp; 0: scripted
   grasp_benchmark.py --objects mug --grasps mine.toml           # your own grasps
   grasp_benchmark.py --trials 10 --check-steps 300 --workers 2  # do verdicts depend on the time step?
+  grasp_benchmark.py --trials 100 --engine ray --ray-address auto --workers 64 --store out/run.sqlite
+  grasp_benchmark.py --trials 10 --report out/grasps.html --sweeps out/mass/sweep.json
 An object that cannot be loaded is set aside, the rest of the run goes on; the exit status is then 1.
 """
 
@@ -75,6 +79,10 @@ def parser() -> _cli.Parser:
     add_grasps(p)
     p.add_argument("--trials", type=_cli.positive_int, default=20, help="trials per object (default 20)")
     p.add_argument("--workers", type=_cli.positive_int, default=1, help="processes side by side (default 1)")
+    text = "who runs the trials: processes of this machine, or a Ray cluster, an extra (default local)"
+    p.add_argument("--engine", choices=("local", "ray"), default="local", help=text)
+    text = "of the cluster, such as 10.0.0.1:6379 or auto (default: a cluster of its own on this machine)"
+    p.add_argument("--ray-address", metavar="ADDRESS", help=text)
     p.add_argument(
         "--store", type=Path, metavar="FILE", help="SQLite file that keeps each trial; a killed run goes on from there"
     )
@@ -87,6 +95,9 @@ def parser() -> _cli.Parser:
     )
     p.add_argument("--calibration", type=Path, help="finger calibration (default: the shipped one)")
     p.add_common(seed="seed of the first trial", json="write settings, summary and every trial to this file")
+    p.add_argument("--report", type=Path, metavar="HTML", help="write a web page: table, films, histograms, provenance")
+    text = "results of grasp_sweep.py that the report shows"
+    p.add_argument("--sweeps", type=Path, nargs="+", default=[], metavar="JSON", help=text)
     p.add_argument("--pictures", type=Path, default=Path("out/grasps"), help="folder (default out/grasps)")
     p.add_argument("--no-pictures", action="store_true", help="draw nothing")
     return p
@@ -101,6 +112,11 @@ def _job(argv: Sequence[str] | None) -> int:
     args = parser().parse_args(argv)
     _cli.check_writable(args.json)
     _cli.check_writable(args.store, "--store")
+    _cli.check_writable(args.report, "--report")
+    if args.sweeps and args.report is None:
+        raise ValueError(f"--sweeps {args.sweeps[0]}: needs --report")
+    sweeps = [read_sweep(path) for path in args.sweeps]
+    _ray_address(args)
     if args.check_steps and args.timestep < 0.4:
         raise ValueError(f"--check-steps: a quarter of --timestep {args.timestep:g} ms is below 0.1 ms")
     check_search(args.search)
@@ -120,28 +136,20 @@ def _job(argv: Sequence[str] | None) -> int:
     )
     total = len(plan.objects) * plan.trials
     with nullcontext() if args.store is None else TrialStore(args.store, plan) as store:
-        running = run_benchmark(plan, args.workers, store)
+        running = run_benchmark(plan, args.workers, store, ray_address=_ray_address(args))
         results = in_order(plan, list(tqdm(running, total=total, desc="trials", unit="trial")))
     check = None if args.check_steps is None else _step_check(plan, results, args)
     summary = summarise(results)
-    print(table(summary))
-    if flags := beyond_calibration(results):
-        print(flags)
-    print(conditions(plan.protocol))
-    print(cost(grasps))
-    if line := held_in_halves(results, load_catalogue()):
-        print(line)
-    if check is not None:
-        print(check.text())
-    for name, reason in batch.failures.items():
-        # a mesh file's reason begins with its path already
-        print(f"not tried: {reason if reason.startswith(name) else f'{name}: {reason}'}", file=sys.stderr)
+    _tell(plan, results, batch, summary, grasps, check)
     if args.json is not None:
         notes = {model.name: list(model.notes) for model in plan.objects if model.notes}
         data: dict[str, Any] = {"settings": _settings(args), "not_tried": dict(batch.failures), "notes": notes}
         data["grasps"] = {name: grasp.data() for name, grasp in grasps.items()}
         data["step_check"] = None if check is None else check.data()
         _cli.write_json(args.json, {**data, "objects": summary, "trials": trial_rows(results)})
+    if args.report is not None:
+        write_report(args.report, plan, results, batch, settings=_settings(args), sweeps=sweeps, check=check)
+        print(f"report: {args.report}")
     if not args.no_pictures:
         try:
             files = draw(plan, results, args.pictures)
@@ -151,12 +159,42 @@ def _job(argv: Sequence[str] | None) -> int:
     return _cli.INCOMPLETE if batch.failures else 0
 
 
+def _tell(
+    plan: BenchmarkPlan,
+    results: Sequence[TrialResult],
+    batch: Batch,
+    summary: dict[str, dict[str, Any]],
+    grasps: dict[str, ChosenGrasp],
+    check: StepCheck | None,
+) -> None:
+    """Print the table and what belongs below it."""
+    below = (
+        beyond_calibration(results),
+        conditions(plan.protocol),
+        cost(grasps),
+        held_in_halves(results, load_catalogue()),
+        "" if check is None else check.text(),
+    )
+    print("\n".join([table(summary), *(line for line in below if line)]))
+    for name, reason in batch.failures.items():
+        # a mesh file's reason begins with its path already
+        print(f"not tried: {reason if reason.startswith(name) else f'{name}: {reason}'}", file=sys.stderr)
+
+
+def _ray_address(args: argparse.Namespace) -> str | None:
+    if args.engine == "ray":
+        return LOCAL if args.ray_address is None else str(args.ray_address)
+    if args.ray_address is not None:
+        raise ValueError(f"--ray-address {args.ray_address}: needs --engine ray")
+    return None
+
+
 def _step_check(plan: BenchmarkPlan, results: Sequence[TrialResult], args: argparse.Namespace) -> StepCheck:
     """Repeat some trials with the finer engine; with a store, they are kept in one beside it."""
     keys = drawn(results, args.check_steps, args.seed)
     path = None if args.store is None else args.store.with_name(f"{args.store.name}.steps")
     with nullcontext() if path is None else TrialStore(path, finer(plan)) as store:
-        running = repeat(plan, keys, args.workers, store)
+        running = repeat(plan, keys, args.workers, store, _ray_address(args))
         return compare(results, list(tqdm(running, total=len(keys), desc="step check", unit="trial")))
 
 

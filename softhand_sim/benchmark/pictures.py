@@ -1,5 +1,6 @@
 """One picture of each object in the hand: the trial of a seed, repeated and drawn in the middle of its hold."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ from softhand_sim.benchmark.plan import BenchmarkPlan, prepare_for
 from softhand_sim.benchmark.sheet import sheet
 from softhand_sim.grasp.result import TrialResult
 from softhand_sim.grasp.trial import run_trial
+from softhand_sim.grasp.verdict import Outcome
 from softhand_sim.render import Camera, Picture, around, save_png
 from softhand_sim.simulation import HandSimulation
 
@@ -16,6 +18,12 @@ from softhand_sim.simulation import HandSimulation
 BEFORE_END_S = 1.0
 # on the sheet of all objects, at half size
 COLUMNS = 3
+
+
+def shown_trial(results: Sequence[TrialResult], name: str) -> TrialResult:
+    """Return the trial of an object that stands for all: the first held one, or the first."""
+    own = [result for result in results if result.object == name]
+    return next((result for result in own if result.outcome is Outcome.HELD), own[0])
 
 
 def draw(plan: BenchmarkPlan, results: list[TrialResult], folder: Path) -> list[Path]:
@@ -30,8 +38,7 @@ def draw(plan: BenchmarkPlan, results: list[TrialResult], folder: Path) -> list[
     """
     files = []
     for model in plan.objects:
-        own = [result for result in results if result.object == model.name]
-        shown = next((result for result in own if result.outcome == "HELD"), own[0])
+        shown = shown_trial(results, model.name)
         setup = prepare_for(plan, model)
         at_s = shown.simulated_s - BEFORE_END_S
         taken: list[Picture] = []

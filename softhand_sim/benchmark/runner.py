@@ -1,8 +1,9 @@
 """Runs the trials of several objects, in this process or in worker processes; the results do not depend on which."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 from softhand_sim.benchmark.plan import BenchmarkPlan, Shard, run_shard
+from softhand_sim.benchmark.ray_engine import require_ray, run_on_ray
 from softhand_sim.benchmark.store import TrialStore
 from softhand_sim.benchmark.workers import run_shards
 from softhand_sim.calibration import load_calibration
@@ -15,6 +16,7 @@ def run_benchmark(
     workers: int = 1,
     store: TrialStore | None = None,
     only: frozenset[tuple[str, int]] | None = None,
+    ray_address: str | None = None,
 ) -> Iterator[TrialResult]:
     """Return an iterator over the results as they come, those of the store first; `in_order` sorts them.
 
@@ -24,24 +26,35 @@ def run_benchmark(
     workers: processes side by side; one worker is this process.
     store: keeps each trial; those that it has are not run again.
     only: some of the plan's trials, as object's name and seed; by default all.
+    ray_address: of a Ray cluster that runs the trials instead of local processes; ``local`` for one of its own.
 
     Raises
     ------
     FileNotFoundError, ValueError
-        If the calibration is missing or wrong; at once, before the first trial.
+        If the calibration is missing or wrong, or Ray is not installed; at once, before the first trial.
     """
     load_calibration(plan.calibration)
-    return _results(plan, workers, store, frozenset(plan.trial_keys) if only is None else only)
+    if ray_address is not None:
+        require_ray()
+
+    def engine(shards: Sequence[Shard]) -> Iterator[TrialResult]:
+        if ray_address is not None:
+            return run_on_ray(plan, shards, workers, ray_address)
+        return _in_this_process(plan, shards) if workers == 1 else run_shards(plan, shards, workers)
+
+    return _results(plan, store, frozenset(plan.trial_keys) if only is None else only, engine)
 
 
 def _results(
-    plan: BenchmarkPlan, workers: int, store: TrialStore | None, wanted: frozenset[tuple[str, int]]
+    plan: BenchmarkPlan,
+    store: TrialStore | None,
+    wanted: frozenset[tuple[str, int]],
+    engine: Callable[[Sequence[Shard]], Iterator[TrialResult]],
 ) -> Iterator[TrialResult]:
     kept = [] if store is None else [r for r in store.results() if (r.object, r.seed) in wanted]
     yield from kept
     shards = plan.shards(wanted - {(result.object, result.seed) for result in kept})
-    running = _in_this_process(plan, shards) if workers == 1 else run_shards(plan, shards, workers)
-    for result in running:
+    for result in engine(shards) if shards else ():
         if store is not None:
             store.add(result)
         yield result

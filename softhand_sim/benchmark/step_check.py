@@ -75,10 +75,14 @@ def drawn(results: Sequence[TrialResult], count: int, seed: int) -> frozenset[Ke
 
 
 def repeat(
-    plan: BenchmarkPlan, keys: frozenset[Key], workers: int = 1, store: TrialStore | None = None
+    plan: BenchmarkPlan,
+    keys: frozenset[Key],
+    workers: int = 1,
+    store: TrialStore | None = None,
+    ray_address: str | None = None,
 ) -> Iterator[TrialResult]:
     """Return an iterator over the trials with the finer engine; `store` belongs to `finer(plan)`."""
-    return run_benchmark(finer(plan), workers, store, only=keys)
+    return run_benchmark(finer(plan), workers, store, only=keys, ray_address=ray_address)
 
 
 def compare(results: Sequence[TrialResult], fine: Sequence[TrialResult]) -> StepCheck:

@@ -7,6 +7,7 @@ import hashlib
 import json
 import sqlite3
 from collections.abc import Iterator
+from contextlib import closing
 from dataclasses import asdict, fields
 from importlib.metadata import version
 from pathlib import Path
@@ -108,6 +109,29 @@ class TrialStore:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+
+def read_store(path: Path) -> tuple[dict[str, Any], list[TrialResult]]:
+    """Return the conditions and the trials, by object and seed, of a store, which may be in use.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    ValueError
+        If it is no store.
+    """
+    if not path.is_file():
+        raise FileNotFoundError(f"no store at {path}")
+    try:
+        with closing(sqlite3.connect(f"{path.resolve().as_uri()}?mode=ro", uri=True)) as base:
+            found = base.execute("SELECT text FROM conditions").fetchone()
+            texts = base.execute("SELECT result FROM trials ORDER BY object, seed").fetchall()
+    except sqlite3.DatabaseError as error:
+        raise ValueError(f"{path}: not a store of trials ({error})") from error
+    if found is None:
+        raise ValueError(f"{path}: not a store of trials (it names no conditions)")
+    return json.loads(found[0]), [_result(json.loads(text)) for (text,) in texts]
 
 
 def conditions(plan: BenchmarkPlan) -> dict[str, Any]:
