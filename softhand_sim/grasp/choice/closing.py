@@ -44,9 +44,10 @@ LOADING_S = 0.8
 # choice: a hand that has to be pressed onto object or table with more than this does not count as having come in; it
 # would force a can between the fingers' bases with all the strength of the arm
 PRESS_N = 10.0
-# choice: held pressures end up to a pulse, 4 kPa, below the set ones
-FILLED = 0.92
-CLOSED_REST_S = 0.2
+# choice: held pressures end up to a pulse, 2 kPa, below the set ones; an apple that is drawn in still moves when the last
+# finger has filled
+FILLED = 0.97
+CLOSED_REST_S = 0.4
 # choice: coming in and closing are nearly quasi-static, hurried ones serve to sort candidates; what can roll is pushed
 # further by a slow finger, so the last word belongs to closings in real time. The way in stays within 200 mm/s
 FASTEST_WAY_IN = 2.0
