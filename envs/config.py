@@ -98,7 +98,7 @@ class EnvConfig:
             len(self.camera) == 2 and all(isinstance(n, int) and 1 <= n <= 960 for n in self.camera)
         ):
             raise ValueError(f"camera = {self.camera!r}: must be None or height and width from 1 to 960")
-        if self._effects.gas is None and (self.action_mode == ActionMode.VALVE or self._ranges.of_gas):
+        if self._effects.gas is None and (self.action_mode == ActionMode.VALVE or self.ranges.of_gas):
             raise ValueError(f"effects = {self.effects!r}: valves, leaks and sensors need gas dynamics")
 
     @property
@@ -118,7 +118,8 @@ class EnvConfig:
         return FULL if self.effects == AUTO else PRESETS[self.effects]
 
     @property
-    def _ranges(self) -> Randomization:
+    def ranges(self) -> Randomization:
+        """The ranges of what is drawn."""
         if isinstance(self.randomization, Randomization):
             return self.randomization
         _one_of("randomization", self.randomization, tuple(RANDOMIZATIONS))
@@ -170,7 +171,7 @@ class EnvConfig:
         return EpisodeSpec(
             action=action,
             layout=layout_of(self.mode, task.target),
-            drawer=Drawer(ranges=self._ranges, objects=len(settings.objects), calibrations=len(settings.calibrations)),
+            drawer=Drawer(ranges=self.ranges, objects=len(settings.objects), calibrations=len(settings.calibrations)),
             names=names_of(settings.objects),
             control_period_s=self.control_period_s,
             sparse=self.mode is ObservationMode.GOAL,

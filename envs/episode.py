@@ -23,6 +23,7 @@ Vector = npt.NDArray[np.float64]
 Info = dict[str, Any]
 
 _WRIST_RANGE = np.array([*SLIDE_RANGE_M, *[HINGE_RANGE_RAD] * 3])
+_CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,6 +64,10 @@ class Episode:
         self.worlds = worlds
         self.draw = Draw()
         self.world: World | None = None
+        self.diverged = False
+        self._privileged = "joint_angle_rad" in spec.layout.where
+        self._mass_and_friction = (0.0, 0.0)
+        self._warnings: dict[str, int] = {}
 
     @property
     def here(self) -> World:
@@ -102,16 +107,16 @@ class Episode:
         self.enter(self.draw)
         world = self.here
         world.simulation.reset(rng, self.task.wrist_start(world.object))
-        place_object(
-            world.simulation, world.object.rest_height_m, (*self.draw.object_offset_m, self.draw.object_yaw_rad)
-        )
+        place_object(world.simulation, world.rest_height_m, (*self.draw.object_offset_m, self.draw.object_yaw_rad))
         self.task.begin(world, rng, options)
+        self.look()
         return self._drawn(world.object)
 
     def enter(self, draw: Draw) -> None:
         """Go to the world of a draw."""
         self.draw = draw
         self.world = self.worlds.get(draw)
+        self._mass_and_friction = (self.world.mass_kg(draw), self.world.friction(draw))
 
     def command(self, action: npt.ArrayLike) -> None:
         """Give an action to controller and wrist.
@@ -131,13 +136,33 @@ class Episode:
             target[: len(command.wrist)] += self.spec.control_period_s * command.wrist
             simulation.wrist_target = np.minimum(np.maximum(target, _WRIST_RANGE[:, 0]), _WRIST_RANGE[:, 1])
 
+    def advance(self) -> None:
+        """Take the engine's steps of one action, as far as the coordinates are numbers; then `look`."""
+        simulation = self.here.simulation
+        try:
+            simulation.advance(self.substeps)
+        except ValueError:
+            # the gas refuses the volumes of a finger that is nowhere
+            if np.isfinite(simulation.data.qpos).all():
+                raise
+        self.look()
+
+    def look(self, *, lost: bool = False) -> None:
+        """See what the engine says after its steps; once, before `observe` and `judge`, which rely on it.
+
+        ``lost`` says that the coordinates ceased to be numbers on the way.
+        """
+        simulation = self.here.simulation
+        self._warnings = _warnings(simulation.data)
+        self.diverged = lost or not bool(np.isfinite(simulation.data.qpos).all())
+        if self._warnings:
+            self.diverged = self.diverged or simulation.diverged
+
     def judge(self, elapsed_s: float) -> tuple[float, bool, Info]:
         """Return reward, whether the episode has ended, and the info."""
-        world = self.here
-        simulation = world.simulation
-        beyond = bool(simulation.range_watch.beyond())
-        warnings = _warnings(simulation.data)
-        if simulation.diverged:
+        world, warnings = self.here, self._warnings
+        beyond = world.simulation.range_watch.passed()
+        if self.diverged:
             info: Info = {"is_success": False, "diverged": True}
             reward = -1.0 if self.spec.sparse else 0.0
             return reward, True, info | {"beyond_calibration": beyond, "engine_warnings": warnings}
@@ -153,28 +178,23 @@ class Episode:
     def observe(self) -> Vector:
         """Return the observed vector, (n,), new each time; zeros, as far as the bounds allow, when diverged."""
         world, layout = self.here, self.spec.layout
+        if self.diverged:
+            return np.minimum(np.maximum(0.0, layout.low), layout.high)
         simulation = world.simulation
-        data, index = simulation.data, simulation.index
-        if simulation.diverged:
-            return np.clip(np.zeros_like(layout.low), layout.low, layout.high)
-        valves = [float(v) for pair in simulation.gas.valves for v in pair] if simulation.gas is not None else [0.0] * 6
-        parts: list[npt.ArrayLike] = [1e-3 * simulation.reading_pa_gauge(), valves, data.qpos[index.wrist_qpos]]
-        if "joint_angle_rad" in layout.where:
-            position, rotation = simulation.in_palm_frame(world.body)
-            free = world.object_dof
+        data = simulation.data
+        # few calls with many numbers: each costs as much as fifty of the engine's additions
+        positions = data.qpos[world.wrist_and_joint_qpos]
+        parts: list[npt.ArrayLike] = [1e-3 * simulation.reading_pa_gauge(), simulation.valves_open(), positions[:6]]
+        if self._privileged:
+            velocities = data.qvel[world.joint_and_object_dof]
             parts += [
                 1e-3 * simulation.set_pressure_pa_gauge,
                 1e-3 * simulation.pressure_pa_gauge(),
-                data.qpos[index.joint_qpos].ravel(),
-                data.qvel[world.joint_dofs],
-                position,
-                canonical_quaternion(rotation),
-                data.qvel[free : free + 6],
-                [
-                    data.xpos[world.body, 2] - world.object.rest_height_m,
-                    world.mass_kg(self.draw),
-                    world.friction(self.draw),
-                ],
+                positions[6:],
+                velocities[:15],
+                object_in_palm(data, simulation.index.palm_body, world.body),
+                velocities[15:],
+                (float(data.xpos[world.body, 2]) - world.rest_height_m, *self._mass_and_friction),
             ]
         if self.task.target and not self.spec.sparse:
             parts.append(self.task.commanded())
@@ -182,7 +202,7 @@ class Episode:
 
     def goals(self) -> tuple[Vector, Vector]:
         """Return the achieved and the desired goal, (g,) each; a lost simulation has achieved the lowest."""
-        if self.here.simulation.diverged:
+        if self.diverged:
             return np.array(self.task.goal_low), self.task.desired()
         return self.task.achieved(self.here), self.task.desired()
 
@@ -201,14 +221,17 @@ class Episode:
         }
 
 
-def canonical_quaternion(rotation: Vector) -> Vector:
-    """Return the unit quaternion w, x, y, z with w >= 0 of a rotation matrix, shape (4,)."""
-    out = np.empty(4)
-    mujoco.mju_mat2Quat(out, rotation.ravel())
-    return -out if out[0] < 0.0 else out
+def object_in_palm(data: mujoco.MjData, palm: int, body: int) -> Vector:
+    """Return position [m] and orientation (quaternion w, x, y, z, w >= 0) of a body in the palm's frame, (7,)."""
+    out, turned = np.empty(7), data.xquat[palm] * _CONJUGATE
+    mujoco.mju_rotVecQuat(out[:3], data.xpos[body] - data.xpos[palm], turned)
+    mujoco.mju_mulQuat(out[3:], turned, data.xquat[body])
+    if out[3] < 0.0:
+        out[3:] *= -1.0
+    return out
 
 
 def _warnings(data: mujoco.MjData) -> dict[str, int]:
     """Return the engine's warnings of this episode by name, with their number."""
-    numbers = data.warning.number
-    return {mujoco.mjtWarning(k).name: int(numbers[k]) for k in np.flatnonzero(numbers)}
+    numbers = data.warning.number.tolist()
+    return {mujoco.mjtWarning(k).name: n for k, n in enumerate(numbers) if n} if any(numbers) else {}

@@ -2,9 +2,12 @@
 
 from typing import Any
 
+from gymnasium.vector import AutoresetMode
+
 from envs.config import EnvConfig
 from envs.grasp_task import GraspTask
 from envs.hand_env import SoftHandEnv
+from envs.vector import SoftHandVectorEnv
 
 
 class SoftHandGraspEnv(SoftHandEnv):
@@ -124,3 +127,22 @@ class SoftHandGraspEnv(SoftHandEnv):
 
     def __init__(self, *, render_mode: str | None = None, **config: Any) -> None:
         super().__init__(GraspTask(), EnvConfig(**config), render_mode)
+
+
+class SoftHandGraspVectorEnv(SoftHandVectorEnv):
+    """Many of `SoftHandGraspEnv` on the engine's threads; arguments of both it and `SoftHandVectorEnv`."""
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        *,
+        max_episode_steps: int | None = None,
+        threads: int = 0,
+        autoreset_mode: str | AutoresetMode = AutoresetMode.NEXT_STEP,
+        **config: Any,
+    ) -> None:
+        tasks = [GraspTask() for _ in range(num_envs)]
+        super().__init__(
+            tasks, EnvConfig(**config), max_episode_steps=max_episode_steps, threads=threads,
+            autoreset_mode=autoreset_mode,
+        )  # fmt: skip

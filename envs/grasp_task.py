@@ -75,7 +75,7 @@ class GraspTask:
         """Return the rewards of the state that the world is in."""
         data = world.simulation.data
         position = data.xpos[world.body]
-        height = float(position[2]) - world.object.rest_height_m
+        height = float(position[2]) - world.rest_height_m
         distance = _length(position - data.site_xpos[world.grasp_site])
         in_hand = height >= LIFTED_M and distance <= IN_HAND_M
         self.lifted_s = self.lifted_s + elapsed_s if in_hand else 0.0

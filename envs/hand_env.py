@@ -72,11 +72,8 @@ class SoftHandEnv(gymnasium.Env[Any, Any]):
             Before the first reset.
         """
         episode = self._episode
-        episode.here  # noqa: B018 - raises before the first reset
         episode.command(action)
-        simulation = episode.here.simulation
-        for _ in range(episode.substeps):
-            simulation.step()
+        episode.advance()
         observation = self._observed()
         reward, terminated, info = episode.judge(episode.spec.control_period_s)
         if self.render_mode == "human":
@@ -124,15 +121,22 @@ class SoftHandEnv(gymnasium.Env[Any, Any]):
         return float(reward) if reward.ndim == 0 else reward
 
     def _observed(self) -> Any:
-        vector = self._episode.observe()
-        if self._mode is not ObservationMode.GOAL and self._camera_size is None:
-            return vector
-        seen: dict[str, Any] = {"observation": vector}
-        if self._mode is ObservationMode.GOAL:
-            seen["achieved_goal"], seen["desired_goal"] = self._episode.goals()
-        if self._camera_size is not None:
-            seen["camera"] = self._pictures.camera(self._episode.here, self._camera_size)
-        return seen
+        size = self._camera_size
+        picture = None if size is None else self._pictures.camera(self._episode.here, size)
+        return observed(self._episode, self._mode, picture)
+
+
+def observed(episode: Episode, mode: ObservationMode, picture: npt.NDArray[np.uint8] | None = None) -> Any:
+    """Return an episode's observation in a mode: the vector, or a dict with goals or a picture."""
+    vector = episode.observe()
+    if mode is not ObservationMode.GOAL and picture is None:
+        return vector
+    seen: dict[str, Any] = {"observation": vector}
+    if mode is ObservationMode.GOAL:
+        seen["achieved_goal"], seen["desired_goal"] = episode.goals()
+    if picture is not None:
+        seen["camera"] = picture
+    return seen
 
 
 def observation_space(config: EnvConfig, vector: spaces.Box, task: Task) -> spaces.Space[Any]:

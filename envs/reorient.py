@@ -2,10 +2,13 @@
 
 from typing import Any
 
+from gymnasium.vector import AutoresetMode
+
 from envs.config import EnvConfig
 from envs.hand_env import SoftHandEnv
 from envs.randomization import Randomization
 from envs.reorient_task import ReorientTask, foam_bar
+from envs.vector import SoftHandVectorEnv
 
 PLACE = Randomization(position_m=0.004, yaw_rad=0.05)
 """Choice: a bar laid by hand, to 4 mm and 3 degrees; one 10 mm further off lies out of a finger's reach."""
@@ -77,5 +80,28 @@ class SoftHandReorientEnv(SoftHandEnv):
     """
 
     def __init__(self, *, render_mode: str | None = None, **config: Any) -> None:
-        own: dict[str, Any] = {"objects": foam_bar(), "wrist": False, "randomization": PLACE}
-        super().__init__(ReorientTask(), EnvConfig(**(own | config)), render_mode)
+        super().__init__(ReorientTask(), _config(config), render_mode)
+
+
+class SoftHandReorientVectorEnv(SoftHandVectorEnv):
+    """Many of `SoftHandReorientEnv` on the engine's threads; arguments of both it and `SoftHandVectorEnv`."""
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        *,
+        max_episode_steps: int | None = None,
+        threads: int = 0,
+        autoreset_mode: str | AutoresetMode = AutoresetMode.NEXT_STEP,
+        **config: Any,
+    ) -> None:
+        tasks = [ReorientTask() for _ in range(num_envs)]
+        super().__init__(
+            tasks, _config(config), max_episode_steps=max_episode_steps, threads=threads,
+            autoreset_mode=autoreset_mode,
+        )  # fmt: skip
+
+
+def _config(given: dict[str, Any]) -> EnvConfig:
+    own: dict[str, Any] = {"objects": foam_bar(), "wrist": False, "randomization": PLACE}
+    return EnvConfig(**(own | given))

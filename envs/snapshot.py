@@ -69,4 +69,5 @@ class Snapshot:
         for name, value in self.simulation.items():
             setattr(simulation, name, deepcopy(value))
         episode.task = self.task.copy()
+        episode.look()
         rng.bit_generator.state = deepcopy(self.rng)

@@ -11,13 +11,14 @@ import numpy as np
 import numpy.typing as npt
 
 from envs.draw import Draw
-from softhand_sim.calibration import FingerCalibration
+from softhand_sim.calibration import JOINTS, FingerCalibration
 from softhand_sim.contact import ContactSettings
 from softhand_sim.control.protocol import Controller
 from softhand_sim.effects import Effects
 from softhand_sim.effects.auto import choose
 from softhand_sim.effects.build import apply_to_model, build_losses, build_pneumatics
 from softhand_sim.effects.scene import SceneFacts, Tolerance
+from softhand_sim.elements import FINGERS
 from softhand_sim.grasp.contacts import ContactMap
 from softhand_sim.hand.anatomy import HandAnatomy
 from softhand_sim.hand.scene import EngineSettings, build_scene
@@ -72,21 +73,19 @@ class World:
     def __post_init__(self) -> None:
         self.object = self.settings.objects[self.index[0]]
         self.calibration = self.settings.calibrations[self.index[1]]
+        self.rest_height_m = self.object.rest_height_m
         self.body = int(self.model.body("object").id)
         self.grasp_site = int(self.model.site("grasp").id)
         self.object_qpos = int(self.model.joint("object_joint").qposadr[0])
-        self.object_dof = int(self.model.joint("object_joint").dofadr[0])
-        self.joint_dofs = np.array([self.model.joint(i).dofadr[0] for i in self._finger_joints()])
         self.contacts = ContactMap.of(self.model)
         self._geoms = np.flatnonzero((self.model.geom_bodyid == self.body) & (self.model.geom_contype != 0))
         self._inertia = self.model.body_inertia[self.body] / self.object.mass_kg
         self.simulation = self._simulate(self.effects)
+        index, free = self.simulation.index, int(self.model.joint("object_joint").dofadr[0])
+        self.wrist_and_joint_qpos = np.concatenate([index.wrist_qpos, index.joint_qpos.ravel()])
+        joints = [self.model.joint(f"{f}_{j}").dofadr[0] for f in FINGERS for j in JOINTS]
+        self.joint_and_object_dof = np.array([*joints, *range(free, free + 6)])
         self._drawn = self._gas_of(Draw())
-
-    def _finger_joints(self) -> list[int]:
-        free = int(self.model.joint("object_joint").id)
-        names = [self.model.joint(i).name for i in range(self.model.njnt)]
-        return [i for i, name in enumerate(names) if i != free and not name.startswith("wrist_")]
 
     def _simulate(self, effects: Effects) -> HandSimulation:
         return HandSimulation(

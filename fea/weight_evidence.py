@@ -24,10 +24,8 @@ def _run(towards_palm_side: float, towards_tip: float) -> Run:
 WEIGHT_RUNS = {
     "palm down": _run(ACROSS_M_PER_S2, ALONG_M_PER_S2),
     "palm up": _run(-ACROSS_M_PER_S2, -ALONG_M_PER_S2),
-    "fingers down": _run(-ALONG_M_PER_S2, ACROSS_M_PER_S2),
-    "fingers up": _run(ALONG_M_PER_S2, -ACROSS_M_PER_S2),
 }
-"""A long finger in four attitudes of the hand; on its side it bends in a level plane, where the weight has no part."""
+"""A long finger in two attitudes of the hand; on its side it bends in a level plane, where the weight has no part."""
 
 
 def weight_evidence(runs: dict[str, dict[str, Any]]) -> dict[str, Any]:

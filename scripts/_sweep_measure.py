@@ -18,9 +18,9 @@ from softhand_sim.benchmark.plan import BenchmarkPlan
 from softhand_sim.benchmark.report import summarise, trial_rows
 from softhand_sim.benchmark.runner import in_order, run_benchmark
 from softhand_sim.calibration import FingerCalibration
-from softhand_sim.characterize.bench import Bench
 from softhand_sim.grasp.plan import FIRM_ANGLE_DEG
 from softhand_sim.objects.model import ObjectModel
+from softhand_sim.uncertainty import measure
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,26 +61,18 @@ def measured(
 
 def _bending(plan: Plan, artifact: Any, calibration: FingerCalibration) -> Row:
     """Return angles and tip forces, None beyond the pressure that the complete finger reached, and how it ended."""
-    highest = float(calibration.curve.pressure_pa_gauge[-1])
-    within = [p for p in plan.pressures_pa_gauge if p <= highest]
-    beyond = [None] * (len(plan.pressures_pa_gauge) - len(within))
+    figures = measure(calibration, plan.pressures_pa_gauge, sensor_distance_m=SENSOR_DISTANCE_M)
     finger = artifact["fea"]["finger"]
     reached = max(finger["pressure_pa_gauge"])
     return {
         "pressure_pa_gauge": list(plan.pressures_pa_gauge),
-        "tip_angle_deg": [calibration.angle_for_pressure(p) for p in within] + beyond,
+        "tip_angle_deg": list(figures.tip_angle_deg),
         "fea_tip_angle_deg": [_fea_angle_deg(finger, p) for p in plan.pressures_pa_gauge],
-        "tip_force_n": _tip_forces_n(calibration, within) + beyond,
+        "tip_force_n": list(figures.tip_force_n),
         "closing_pressure_pa_gauge": calibration.closing_pressure(FIRM_ANGLE_DEG),
-        "highest_pressure_pa_gauge": highest,
+        "highest_pressure_pa_gauge": float(calibration.curve.pressure_pa_gauge[-1]),
         "ended": f"{finger['status']}, {1e-3 * reached:g} kPa",
     }
-
-
-def _tip_forces_n(calibration: FingerCalibration, pressures_pa: list[float]) -> list[float]:
-    """Return the blocked tip's force on a wall, one pressure after the other."""
-    bench = Bench(calibration, wall_distance_m=SENSOR_DISTANCE_M)
-    return [bench.go_to(pressure).wall_force_n for pressure in pressures_pa]
 
 
 def _fea_angle_deg(finger: Any, pressure_pa: float) -> float | None:

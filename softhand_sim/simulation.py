@@ -1,5 +1,6 @@
 """The hand in time: engine, pneumatics and wrist stepped together."""
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
@@ -7,12 +8,12 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from softhand_sim.calibration import JOINT_RANGE_RAD, JOINTS, FingerCalibration
+from softhand_sim.actuation import EngineArrays, HandParts, prepare_actuation
+from softhand_sim.calibration import FingerCalibration
 from softhand_sim.calibration.limits import CalibratedRange, RangeWatch
-from softhand_sim.elements import FINGERS, spread_to_fingers
 from softhand_sim.hand.anatomy import HandAnatomy
-from softhand_sim.hand.hand import WRIST
-from softhand_sim.losses import Losses
+from softhand_sim.hand.index import HandIndex
+from softhand_sim.losses import Losses, LossState
 from softhand_sim.pneumatics.state import PneumaticState
 from softhand_sim.pneumatics.system import PneumaticSystem, default_elements
 from softhand_sim.wrist import limited_step
@@ -21,42 +22,8 @@ Vector = npt.NDArray[np.float64]
 
 RANGE_WATCH_S = 0.02
 """Choice: how often range_watch looks, the sensors' period; every step would cost some per cent of a trial."""
-_MOST_BEND_RAD = len(JOINTS) * JOINT_RANGE_RAD[1]
-_INSTABILITY = (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC)
-
-
-@dataclass(frozen=True, kw_only=True)
-class HandIndex:
-    """Addresses of the hand's parts in a compiled model."""
-
-    pressure_ctrl: Vector
-    loss_ctrl: Vector
-    wrist_ctrl: Vector
-    wrist_qpos: Vector
-    tendon: Vector
-    straight_length_m: Vector
-    joint_qpos: Vector
-    palm_body: int
-
-    @classmethod
-    def of(cls, model: mujoco.MjModel) -> "HandIndex":
-        """Look the names up once."""
-        joints = [[f"{f}_{j}" for j in JOINTS] for f in FINGERS]
-        tendon = np.array([model.tendon(f"{f}_actuator").id for f in FINGERS])
-        return cls(
-            pressure_ctrl=np.array([model.actuator(f"{f}_pressure").id for f in FINGERS]),
-            loss_ctrl=np.array([model.actuator(f"{f}_loss").id for f in FINGERS]),
-            wrist_ctrl=np.array([model.actuator(name).id for name in WRIST]),
-            wrist_qpos=np.array([model.joint(name).qposadr[0] for name in WRIST]),
-            tendon=tendon,
-            straight_length_m=model.tendon_length0[tendon].copy(),
-            joint_qpos=np.array([[model.joint(name).qposadr[0] for name in row] for row in joints]),
-            palm_body=int(model.body("palm").id),
-        )
-
-    def elongations_m(self, data: mujoco.MjData) -> Vector:
-        """Elongation of each finger's actuator, shape (5,): its tendon shortens by it."""
-        return np.asarray(self.straight_length_m - data.ten_length[self.tendon])
+INSTABILITY = (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC)
+"""Warnings that mean a diverged world."""
 
 
 def default_pneumatics(calibration: FingerCalibration) -> PneumaticSystem:
@@ -91,12 +58,15 @@ class HandSimulation:
         self.index = HandIndex.of(self.model)
         self.data = mujoco.MjData(self.model)
         self.dt = float(self.model.opt.timestep)
-        # a view of the engine's memory, which never moves: the attribute makes a new one each time
-        self._tendon_length_m = self.data.ten_length
-        self._played: Iterator[tuple[float, ...]] | None = None
-        losses = Losses.of(self.calibration) if self.losses is None else self.losses
-        self.losses = losses
-        self._loses, self._relieved = losses.any, losses.relief is not None
+        self.losses = losses = Losses.of(self.calibration) if self.losses is None else self.losses
+        self._played: Iterator[Vector] | None = None
+        # views of the engine's memory, which never moves
+        engine = EngineArrays(
+            ten_length=self.data.ten_length[None], qpos=self.data.qpos[None], ctrl=self.data.ctrl[None]
+        )
+        parts = HandParts(index=self.index, calibration=self.calibration, pneumatics=self.pneumatics, losses=losses)
+        self._actuation = prepare_actuation(parts, engine)
+        self._idle = self.pneumatics is None and not losses.any
 
     def reset(self, rng: np.random.Generator, wrist_pose: Vector) -> None:
         """Start anew with empty fingers and the wrist standing at `wrist_pose`, shape (6,)."""
@@ -109,27 +79,75 @@ class HandSimulation:
         self.set_pressure_pa_gauge = np.zeros(3)
         self.range_watch = RangeWatch(limits=CalibratedRange.of(self.calibration))
         self._next_look_s = 0.0
-        if self.losses is not None:
-            self.loss_state = self.losses.rest(self.elongations_m())
-        self.gas: PneumaticState | None = None
-        if self.pneumatics is not None:
-            self.gas = self.pneumatics.reset(self.chamber_volumes_m3(), rng)
+        self._written: Vector | None = None
+        self._actuation.reset(0, rng)
+
+    def advance(self, steps: int) -> None:
+        """Advance by some time steps, as that many calls of `step` to the bit.
+
+        Where nothing changes between the engine's own steps (neither gas nor losses, the wrist at its target), it takes
+        them at one go.
+        """
+        while steps > 0:
+            if not self._idle or self._played is not None or not self.wrist_arrived:
+                self.step()
+                steps -= 1
+                continue
+            self._write_wrist()
+            self._actuation.step(self.dt)
+            until_look = max(1, math.ceil((self._next_look_s - self.data.time) / self.dt - 1e-6))
+            taken = min(steps, until_look)
+            mujoco.mj_step(self.model, self.data, nstep=taken)
+            self._look()
+            steps -= taken
 
     def step(self) -> None:
         """Advance by one time step of the engine."""
         self.move_wrist()
-        elongation = self._elongations_m()
-        pressure = self._next_pressures_pa_gauge(elongation)
-        ctrl = self.data.ctrl
-        ctrl[self.index.wrist_ctrl] = self.wrist_reference
-        ctrl[self.index.pressure_ctrl] = pressure
-        if self._loses:
-            ctrl[self.index.loss_ctrl] = self._next_losses_n(elongation, np.array(pressure))
+        self._write_wrist()
+        if self._played is not None:
+            self._actuation.play(np.array([next(self._played)]))
+        self._actuation.step(self.dt)
         mujoco.mj_step(self.model, self.data)
+        self._look()
+
+    def _write_wrist(self) -> None:
+        # the engine keeps what was written; a reference that moves is a new array
+        if self._written is not self.wrist_reference:
+            self.data.ctrl[self.index.wrist_ctrl] = self._written = self.wrist_reference
+
+    def _look(self) -> None:
         if self.data.time >= self._next_look_s:
             joints = self.data.qpos[self.index.joint_qpos]
-            self.range_watch.look(self.set_pressure_pa_gauge, np.array(pressure), joints)
+            self.range_watch.look(self._actuation.set_pa_gauge[0], self._actuation.pressure_pa_gauge[0], joints)
             self._next_look_s = self.data.time + RANGE_WATCH_S
+
+    @property
+    def set_pressure_pa_gauge(self) -> Vector:
+        """Wanted pressure per element (Pa), shape (3,): a copy; assign to change it."""
+        return np.array(self._actuation.set_pa_gauge[0])
+
+    @set_pressure_pa_gauge.setter
+    def set_pressure_pa_gauge(self, value: Vector) -> None:
+        self._actuation.set_pa_gauge[0] = value
+
+    @property
+    def gas(self) -> PneumaticState | None:
+        """State of gas, valves and control, None without pneumatics; assign one to go back to it, bit for bit."""
+        return self._actuation.gas(0)
+
+    @gas.setter
+    def gas(self, state: PneumaticState | None) -> None:
+        self._actuation.set_gas(0, state)
+
+    @property
+    def loss_state(self) -> LossState:
+        """State of friction, relaxation and relief; assign one to go back to it, bit for bit."""
+        return self._actuation.losses(0)
+
+    @loss_state.setter
+    def loss_state(self, state: LossState) -> None:
+        self._actuation.set_losses(0, state)
 
     def move_wrist(self) -> None:
         """Move the wrist's reference towards its target, as far as it may get in one time step."""
@@ -142,62 +160,38 @@ class HandSimulation:
             self.anatomy.wrist_rate_rad_per_s * self.dt,
         )
 
-    def _next_pressures_pa_gauge(self, elongation_m: Vector) -> tuple[float, ...]:
-        """Step the gas and return the pressure in each finger (Pa), shape (5,)."""
-        if self._played is not None:
-            return next(self._played)
-        if self.pneumatics is None or self.gas is None:
-            return spread_to_fingers(self.set_pressure_pa_gauge.tolist())
-        volumes = self._volumes_m3(elongation_m)
-        self.gas = self.pneumatics.step(self.gas, volumes, self.set_pressure_pa_gauge, self.dt)
-        return self.pneumatics.finger_pressures_pa_gauge(self.gas)
-
-    def _next_losses_n(self, elongation_m: Vector, pressure_pa_gauge: Vector) -> Vector:
-        """Step the losses and return their force along each finger's elongation (N), shape (5,)."""
-        if self.losses is None:
-            return np.zeros(len(FINGERS))
-        # an engine that diverges shows infinite angles before it says so
-        bend = np.minimum(np.abs(self.data.qpos[self.index.joint_qpos]).sum(axis=1), _MOST_BEND_RAD)
-        self.loss_state, force = self.losses.step(self.loss_state, elongation_m, bend, pressure_pa_gauge, self.dt)
-        return force
-
-    def play_pressures(self, recorded: Iterator[tuple[float, ...]] | None) -> None:
-        """Give the fingers recorded pressures (Pa), (5,) a step, while the gas stands still; None ends that."""
+    def play_pressures(self, recorded: Iterator[Vector] | None) -> None:
+        """Give the fingers recorded pressures (Pa), shape (5,) a step, while the gas stands still; None ends that."""
         self._played = recorded
+        if recorded is None:
+            self._actuation.stop_playing()
 
     def pressure_pa_gauge(self) -> Vector:
         """Present pressure of each element where its sensor sits (Pa), shape (3,)."""
-        if self.pneumatics is None or self.gas is None:
-            return np.array(self.set_pressure_pa_gauge)
-        return np.asarray(self.gas.pressure_pa_abs) - self.pneumatics.ambient_pa_abs
+        if self.pneumatics is None:
+            return self.set_pressure_pa_gauge
+        return np.asarray(self._actuation.pressure_pa_abs()[0] - self.pneumatics.ambient_pa_abs)
 
     def reading_pa_gauge(self) -> Vector:
         """Last reading of each element's sensor (Pa), shape (3,)."""
-        if self.pneumatics is None or self.gas is None:
-            return np.array(self.set_pressure_pa_gauge)
-        return np.asarray(self.gas.readings_pa_abs) - self.pneumatics.ambient_pa_abs
+        if self.pneumatics is None:
+            return self.set_pressure_pa_gauge
+        return np.asarray(self._actuation.reading_pa_abs()[0] - self.pneumatics.ambient_pa_abs)
 
-    def _elongations_m(self) -> Vector:
-        return np.asarray(self.index.straight_length_m - self._tendon_length_m[self.index.tendon])
+    def valves_open(self) -> Vector:
+        """Which valves are open, inlet and outlet of each element, 1 or 0, shape (6,); zeros without pneumatics."""
+        return np.zeros(6) if self.pneumatics is None else np.asarray(self._actuation.valves_open()[0])
 
     def elongations_m(self) -> Vector:
         """Elongation of each finger's actuator, shape (5,): that at the start of the engine's last step."""
-        return self.index.elongations_m(self.data)
+        return self.index.elongations_m(self.data.ten_length)
 
     def chamber_volumes_m3(self) -> Vector:
         """Volume of each finger's chamber without bulging, shape (5,): V(delta) at the tendon's present length.
 
         Where a relief lets actuators out, delta is longer by that.
         """
-        return np.array(self._volumes_m3(self.elongations_m()))
-
-    def _volumes_m3(self, elongation_m: Vector) -> list[float]:
-        chamber = self.calibration.chamber
-        volume, area, half_slope = chamber.volume_m3, chamber.area_m2, 0.5 * chamber.area_slope_m
-        if self._relieved:
-            elongation_m = elongation_m + self.loss_state.bulge_m
-        # five plain numbers are quicker than arrays of five
-        return [volume + d * (area + half_slope * d) for d in elongation_m.tolist()]
+        return np.array(self.calibration.chamber.volumes_m3(self.elongations_m() + self.loss_state.bulge_m))
 
     @property
     def wrist_arrived(self) -> bool:
@@ -208,7 +202,7 @@ class HandSimulation:
     @property
     def diverged(self) -> bool:
         """Whether the engine reported an instability or a coordinate is not finite."""
-        warned = any(self.data.warning[kind].number > 0 for kind in _INSTABILITY)
+        warned = any(self.data.warning[kind].number > 0 for kind in INSTABILITY)
         return warned or not bool(np.isfinite(self.data.qpos).all())
 
     def tip_angles_rad(self) -> Vector:

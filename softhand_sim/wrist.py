@@ -1,5 +1,7 @@
 """The wrist's reference: moves to a target no faster than the arm may."""
 
+import math
+
 import numpy as np
 import numpy.typing as npt
 
@@ -15,9 +17,15 @@ def limited_step(current: Vector, target: Vector, largest_m: float, largest_rad:
     largest_m: longest move of the position, measured along the straight path.
     largest_rad: largest change of each angle.
     """
-    step = target - current
-    distance = float(np.linalg.norm(step[:3]))
-    if distance > largest_m:
-        step[:3] *= largest_m / distance
-    step[3:] = np.clip(step[3:], -largest_rad, largest_rad)
-    return current + step
+    # six plain numbers are quicker than small arrays
+    x, y, z, *turns = (target - current).tolist()
+    distance = math.sqrt(x * x + y * y + z * z)
+    share = largest_m / distance if distance > largest_m else 1.0
+    turned = [min(max(turn, -largest_rad), largest_rad) for turn in turns]
+    return np.asarray(current + np.array([x * share, y * share, z * share, *turned]))
+
+
+def move_wrists(reference: Vector, target: Vector, largest_m: float, largest_rad: float) -> None:
+    """Move n wrists, (n, 6), each as `limited_step`, in place."""
+    for w in np.flatnonzero((reference != target).any(axis=1)):
+        reference[w] = limited_step(reference[w], target[w], largest_m, largest_rad)

@@ -36,6 +36,7 @@ class BenchmarkPlan:
     objects: the objects, each with its own name.
     trials: per object; their seeds are ``seed .. seed + trials - 1``, the same for every object.
     calibration: finger calibration file; None for the shipped one.
+    control: calibration file that set pressures are looked up in; None for that of the fingers.
     protocol, engine, effects: what a trial does, the engine's settings, and the effects of the scene.
     grasps: by the name of the object; the others get their `default_grasp`.
     """
@@ -44,6 +45,7 @@ class BenchmarkPlan:
     trials: int
     seed: int = 0
     calibration: Path | None = None
+    control: Path | None = None
     protocol: GraspProtocol = field(default_factory=load_protocol)
     engine: EngineSettings = field(default_factory=EngineSettings)
     effects: Effects = BENCH
@@ -86,13 +88,14 @@ class BenchmarkPlan:
 
 def prepare_for(plan: BenchmarkPlan, model: ObjectModel) -> TrialSetup:
     """Return what the trials of one object of the plan share."""
-    calibration = load_calibration(plan.calibration)
+    control = None if plan.control is None else load_calibration(plan.control)
     return prepare(
         model,
-        calibration,
+        load_calibration(plan.calibration),
         protocol=plan.protocol,
         engine=plan.engine,
         effects=plan.effects,
+        control=control,
         plan=plan.grasp(model),
     )
 

@@ -33,7 +33,8 @@ def run_benchmark(
     FileNotFoundError, ValueError
         If the calibration is missing or wrong, or Ray is not installed; at once, before the first trial.
     """
-    load_calibration(plan.calibration)
+    for file in {plan.calibration, plan.control}:
+        load_calibration(file)
     if ray_address is not None:
         require_ray()
 

@@ -137,11 +137,13 @@ def read_store(path: Path) -> tuple[dict[str, Any], list[TrialResult]]:
 def conditions(plan: BenchmarkPlan) -> dict[str, Any]:
     """Return what, beside object and seed, decides a trial's result."""
     file = plan.calibration or asset_path("calibration", "finger.json")
+    control = {} if plan.control is None else {"control_sha256": hashlib.sha256(plan.control.read_bytes()).hexdigest()}
     return {
         "protocol": repr(plan.protocol),
         "engine": asdict(plan.engine),
         "effects": repr(plan.effects),
         "calibration_sha256": hashlib.sha256(file.read_bytes()).hexdigest(),
+        **control,
         "mujoco_version": version("mujoco"),
         "numpy_version": version("numpy"),
         "softhand_sim_version": version("softhand-sim"),

@@ -55,6 +55,16 @@ class RangeWatch:
         np.maximum(self._high, joint_angle_rad, out=self._high)
         np.minimum(self._low, joint_angle_rad, out=self._low)
 
+    def passed(self) -> bool:
+        """Return whether anything went beyond the calibrated range: what `beyond` would name, without the names."""
+        highest, joint_rad = self.limits.pressure_pa_gauge, self.limits.joint_angle_rad
+        return bool(
+            self._set.max() > highest + SET_PRESSURE_MARGIN_PA
+            or self._pressure.max() > highest + PRESSURE_MARGIN_PA
+            or self._low.min() < -ANGLE_MARGIN_RAD
+            or (self._high > joint_rad + ANGLE_MARGIN_RAD).any()
+        )
+
     def beyond(self) -> dict[str, float]:
         """Return what went beyond the calibrated range: the extreme value (Pa gauge or rad) by name, none if empty."""
         found: dict[str, float] = {}
@@ -72,3 +82,35 @@ class RangeWatch:
                 side = "highest" if values is self._high else "lowest"
                 found[f"{FINGERS[finger]}_{JOINTS[joint]}_{side}_rad"] = float(values[finger, joint])
         return found
+
+
+class RangeWatches:
+    """`RangeWatch` of n worlds, looked at together."""
+
+    def __init__(self, *, limits: CalibratedRange, worlds: int) -> None:
+        self._limits = limits
+        self._set, self._pressure = np.zeros((worlds, len(ELEMENTS))), np.zeros((worlds, len(FINGERS)))
+        self._high, self._low = (np.zeros((worlds, len(FINGERS), len(JOINTS))) for _ in range(2))
+
+    def forget(self, worlds: npt.NDArray[np.int64]) -> None:
+        """Start some worlds anew."""
+        for extreme in (self._set, self._pressure, self._high, self._low):
+            extreme[worlds] = 0.0
+
+    def look(
+        self, due: npt.NDArray[np.bool_], set_pa_gauge: Vector, pressure_pa_gauge: Vector, joint_angle_rad: Vector
+    ) -> None:
+        """Take in what the worlds that are due, (n,), show: as `RangeWatch.look`, one row a world."""
+        for extreme, now, wider in (
+            (self._set, set_pa_gauge, np.maximum),
+            (self._pressure, pressure_pa_gauge, np.maximum),
+            (self._high, joint_angle_rad, np.maximum),
+            (self._low, joint_angle_rad, np.minimum),
+        ):
+            wider(extreme, now, out=extreme, where=due.reshape(-1, *[1] * (now.ndim - 1)))
+
+    def of_world(self, world: int) -> RangeWatch:
+        """Return what one world showed."""
+        shown = (self._set, self._pressure, self._high, self._low)
+        extremes = dict(zip(("_set", "_pressure", "_high", "_low"), (x[world].copy() for x in shown), strict=True))
+        return RangeWatch(limits=self._limits, **extremes)

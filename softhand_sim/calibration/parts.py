@@ -106,6 +106,11 @@ class ChamberCalibration:
         """Return the chamber's volume without bulging [m3] at an elongation [m]."""
         return self.volume_m3 + elongation_m * (self.area_m2 + 0.5 * self.area_slope_m * elongation_m)
 
+    def volumes_m3(self, elongation_m: npt.NDArray[np.float64]) -> list[float]:
+        """Return `volume_m3_at` elongations [m], (n,)."""
+        # a few plain numbers are quicker than small arrays
+        return [self.volume_m3_at(d) for d in elongation_m.tolist()]
+
     def area_m2_at(self, elongation_m: float) -> float:
         """Return the effective area ``dV/dd`` [m2] at an elongation [m]."""
         return self.area_m2 + self.area_slope_m * elongation_m

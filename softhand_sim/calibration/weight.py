@@ -18,7 +18,6 @@ from softhand_sim.calibration.reader import FingerCalibration
 Vector = npt.NDArray[np.float64]
 SCHEMA = "softhand-sim/finger-weight-evidence"
 SCHEMA_VERSION = 1
-_LEAST_ATTITUDES = 4
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -62,29 +61,6 @@ class WeightEvidence:
         """Raise unless the calibration is of the dimensions, materials and mesh that the evidence was measured with."""
         require_same_finger(self.geometry, self.provenance, calibration)
 
-    def tip_angle_deg(
-        self, calibration: FingerCalibration, pressure_pa_gauge: float, gravity_m_per_s2: Vector
-    ) -> float:
-        """Return the finite elements' tip angle under gravity in any direction of the plane of bending [deg].
-
-        Least squares through the attitudes and the finger without weight (that of the calibration's own analysis):
-        linear and quadratic in the two components of gravity along and across the first attitude's.
-
-        Raises
-        ------
-        ValueError
-            If the pressure is not one that the finite elements have been at.
-        """
-        first = self.attitudes[0].gravity_m_per_s2
-        along = first / np.linalg.norm(first)
-        axes = np.stack([along, np.array([-along[1], along[0]])])
-        straight = weightless_deg(calibration, pressure_pa_gauge)
-        bent = [_row_deg(a.pressure_pa_gauge, a.tip_angle_deg, pressure_pa_gauge) - straight for a in self.attitudes]
-        parts = np.array([axes @ a.gravity_m_per_s2 for a in self.attitudes])
-        law, *_ = np.linalg.lstsq(np.hstack([parts, parts**2]), np.array(bent), rcond=None)
-        asked = axes @ gravity_m_per_s2
-        return straight + float(np.concatenate([asked, asked**2]) @ law)
-
 
 def weightless_deg(calibration: FingerCalibration, pressure_pa_gauge: float) -> float:
     """Return the tip angle of the calibration's own analysis while loading, without weight [deg].
@@ -115,8 +91,8 @@ def load_weight_evidence(path: Path | None = None) -> WeightEvidence:
     root.require_equal("schema", SCHEMA)
     root.require_equal("schema_version", SCHEMA_VERSION)
     attitudes = root.value("attitudes")
-    if not isinstance(attitudes, list) or len(attitudes) < _LEAST_ATTITUDES:
-        raise root.error("attitudes", attitudes, f"a list of {_LEAST_ATTITUDES} attitudes or more")
+    if not isinstance(attitudes, list) or not attitudes:
+        raise root.error("attitudes", attitudes, "a list of one attitude or more")
     with root.naming_file():
         return WeightEvidence(
             geometry=MappingProxyType(root.object("geometry").raw),

@@ -10,9 +10,9 @@ import numpy.typing as npt
 from softhand_sim.calibration import FingerCalibration
 from softhand_sim.characterize.bench import PRESSURE_RATE_PA_PER_S, STILL_RAD_PER_S
 from softhand_sim.elements import FINGERS
+from softhand_sim.hand.index import HandIndex
 from softhand_sim.hand.scene import EngineSettings, build_root, compile_scene
 from softhand_sim.losses import Losses
-from softhand_sim.simulation import HandIndex
 
 LONGEST_S = 60.0
 G_M_PER_S2 = 9.81

@@ -8,8 +8,10 @@ from softhand_sim.characterize.hysteresis import hysteresis
 from softhand_sim.characterize.pressure_sweep import pressure_angle_report
 from softhand_sim.characterize.relief import relief
 from softhand_sim.characterize.report import Report
+from softhand_sim.characterize.ring_down import ring_down
 from softhand_sim.characterize.tip_force import tip_force
 from softhand_sim.characterize.tip_load import tip_load
+from softhand_sim.characterize.weight import weight
 
 STUDIES: dict[str, Callable[[FingerCalibration, FingerEvidence], Report]] = {
     "pressure-angle": pressure_angle_report,
@@ -18,4 +20,6 @@ STUDIES: dict[str, Callable[[FingerCalibration, FingerEvidence], Report]] = {
     "hysteresis": hysteresis,
     "energy": energy,
     "relief": relief,
+    "weight": weight,
+    "ring-down": ring_down,
 }

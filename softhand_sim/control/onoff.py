@@ -9,7 +9,7 @@ from softhand_sim.control.protocol import ControllerState, ValveCommand
 from softhand_sim.elements import ELEMENTS
 
 # inlet open, outlet open, last reading, rise over the last tick of inlet, fall over the last tick of outlet, ticks open
-_MEMORY = 6
+MEMORY_SIZE = 6
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,7 +67,7 @@ class OnOffController:
 
     def reset(self) -> ControllerState:
         """Return the memory before the first tick: valves shut, no pulse seen."""
-        return (0.0,) * _MEMORY * len(ELEMENTS)
+        return (0.0,) * MEMORY_SIZE * len(ELEMENTS)
 
     def command(
         self, readings_pa_abs: Sequence[float], set_pa_gauge: Sequence[float], state: ControllerState
@@ -76,7 +76,7 @@ class OnOffController:
         commands: list[ValveCommand] = []
         memory: list[float] = []
         for k, (reading, set_gauge) in enumerate(zip(readings_pa_abs, set_pa_gauge, strict=True)):
-            inlet, outlet, last, rise, fall, ticks_open = state[k * _MEMORY : (k + 1) * _MEMORY]
+            inlet, outlet, last, rise, fall, ticks_open = state[k * MEMORY_SIZE : (k + 1) * MEMORY_SIZE]
             # with dead time the first reading of a pulse shows a part of it: keep what the one before did
             part = self.dead_time_ticks > 0.0 and ticks_open == 1.0
             if self.lookahead and inlet:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from types import MappingProxyType
 
-from softhand_sim.effects import gravity, interference, relaxation, relief, sliding
+from softhand_sim.effects import gravity, interference, pads, relaxation, relief, sliding
 from softhand_sim.effects.effects import NEED_GAS, Effects
 from softhand_sim.effects.kind import Estimate
 from softhand_sim.effects.questions import rehearsed
@@ -48,6 +48,11 @@ def _relief(scene: SceneFacts) -> Estimate:
     return relief.question(scene, scene.offered.relief)
 
 
+def _pads(scene: SceneFacts) -> Estimate:
+    assert scene.offered.pads is not None
+    return pads.question(scene, scene.offered.pads)
+
+
 QUESTIONS: Mapping[str, Callable[[SceneFacts], Estimate]] = MappingProxyType(
     {
         "gas": _gas,
@@ -62,6 +67,7 @@ QUESTIONS: Mapping[str, Callable[[SceneFacts], Estimate]] = MappingProxyType(
         "relief": _relief,
         "interference": interference.question,
         "gravity": gravity.question,
+        "pads": _pads,
     }
 )
 """Each effect's own question."""

@@ -9,6 +9,7 @@ from softhand_sim.control.protocol import Controller
 from softhand_sim.effects.effects import Effects
 from softhand_sim.effects.gravity import without_gravity
 from softhand_sim.effects.interference import without_interference
+from softhand_sim.effects.pads import soften
 from softhand_sim.losses import Losses
 from softhand_sim.pneumatics.system import PneumaticSystem
 
@@ -52,3 +53,9 @@ def apply_to_model(effects: Effects, root: Any) -> None:
         without_interference(root)
     if effects.gravity is None:
         without_gravity(root)
+
+
+def apply_to_contacts(effects: Effects, root: Any) -> None:
+    """Change the contacts of hand and object by the effects that act on them, once both are in the MJCF."""
+    if effects.pads is not None:
+        soften(root, effects.pads)

@@ -4,13 +4,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from types import MappingProxyType
 
-from softhand_sim.effects import gas, gravity, interference, relaxation, relief, sliding, tube
+from softhand_sim.effects import gas, gravity, interference, pads, relaxation, relief, sliding, tube
 from softhand_sim.effects.gas import GasDynamics
 from softhand_sim.effects.gravity import FingerGravity
 from softhand_sim.effects.interference import FingerInterference
 from softhand_sim.effects.kind import ActsOn
 from softhand_sim.effects.sliding import SlidingHysteresis
 from softhand_sim.effects.tube import TubeResistance
+from softhand_sim.pads import SoftPads
 from softhand_sim.pneumatics.delay import ValveDelay
 from softhand_sim.pneumatics.leak import Leak
 from softhand_sim.pneumatics.sensor import PressureSensor
@@ -50,6 +51,8 @@ class Effects:
         Contact between fingers (model).
     gravity
         Weight of the fingers (model).
+    pads
+        Contacts of phalanges and object as soft as in the finite elements (model).
 
     Raises
     ------
@@ -69,6 +72,7 @@ class Effects:
     relief: ProximalRelief | None = None
     interference: FingerInterference | None = None
     gravity: FingerGravity | None = None
+    pads: SoftPads | None = None
 
     def __post_init__(self) -> None:
         lost = [name for name in self.present if name in NEED_GAS]
@@ -98,6 +102,7 @@ ACTS_ON: Mapping[str, ActsOn] = MappingProxyType(
         "relief": relief.ACTS_ON,
         "interference": interference.ACTS_ON,
         "gravity": gravity.ACTS_ON,
+        "pads": pads.ACTS_ON,
     }
 )
 """Where each effect acts."""
@@ -129,7 +134,8 @@ FULL = Effects(
     interference=FingerInterference(),
     gravity=FingerGravity(),
 )
-"""Everything that every scene has; a leak has to be declared, and so has the relief, of which no force is stated."""
+"""Everything that every scene has but for the soft pads. A leak has to be declared, and so has the relief, of which no
+force is stated."""
 
 PRESETS: Mapping[str, Effects] = MappingProxyType({"ideal": IDEAL, "bench": BENCH, "full": FULL})
 """Presets by name."""

@@ -10,7 +10,7 @@ import numpy as np
 from softhand_sim.calibration import FingerCalibration
 from softhand_sim.effects import BENCH, Effects
 from softhand_sim.effects.auto import Answer, choose
-from softhand_sim.effects.build import apply_to_model, build_losses, build_pneumatics
+from softhand_sim.effects.build import apply_to_contacts, apply_to_model, build_losses, build_pneumatics
 from softhand_sim.effects.scene import SceneFacts, Tolerance
 from softhand_sim.grasp.choice.shipped import default_grasp
 from softhand_sim.grasp.place import place_object
@@ -30,7 +30,10 @@ from softhand_sim.simulation import HandSimulation
 
 @dataclass(frozen=True, kw_only=True)
 class TrialSetup:
-    """Everything that trials of one object share: built once, used for any number of seeds."""
+    """Everything that trials of one object share: built once, used for any number of seeds.
+
+    Set pressures are looked up in ``control``, the fingers' own calibration by default.
+    """
 
     model: ObjectModel
     calibration: FingerCalibration
@@ -40,6 +43,7 @@ class TrialSetup:
     losses: Losses
     protocol: GraspProtocol
     answers: tuple[Answer, ...] = ()
+    control: FingerCalibration | None = None
 
 
 def prepare(
@@ -51,11 +55,12 @@ def prepare(
     effects: Effects = BENCH,
     tolerance: Tolerance | None = None,
     plan: GraspPlan | None = None,
+    control: FingerCalibration | None = None,
 ) -> TrialSetup:
     """Build the scene of an object; by default for the paper's protocol and with the object's `default_grasp`.
 
-    With a tolerance, effects that the scene does not call for are left out (`choose`), and `TrialSetup.answers` says
-    why.
+    ``control`` is the calibration that the controller knows, where that is not the fingers' own. With a tolerance,
+    effects that the scene does not call for are left out (`choose`), and `TrialSetup.answers` says why.
     """
     protocol = protocol or load_protocol()
     model = model.with_overrides(mass_kg=protocol.mass_kg, friction=protocol.friction)
@@ -66,6 +71,7 @@ def prepare(
     def add_object(root: Any) -> None:
         apply_to_model(effects, root)
         attach_object(root, model)
+        apply_to_contacts(effects, root)
 
     scene = build_scene(calibration, engine=engine, add_object=add_object)
     return TrialSetup(
@@ -77,6 +83,7 @@ def prepare(
         losses=build_losses(effects, calibration),
         protocol=protocol,
         answers=answers,
+        control=control,
     )
 
 
@@ -127,10 +134,13 @@ def run_trial(setup: TrialSetup, seed: int, watch: Callable[[HandSimulation], No
 
 def _advance(stage: Stage) -> None:
     simulation = stage.simulation
-    for _ in range(max(1, round(SAMPLE_S / simulation.dt))):
-        if stage.drive is not None:
+    steps = max(1, round(SAMPLE_S / simulation.dt))
+    if stage.drive is None:
+        simulation.advance(steps)
+    else:
+        for _ in range(steps):
             stage.drive()
-        simulation.step()
+            simulation.step()
     stage.recorder.sample(simulation)
 
 
@@ -140,9 +150,8 @@ def _commands(setup: TrialSetup, stage: Stage) -> Iterator[tuple[Callable[[], bo
     simulation.wrist_target = setup.plan.standoff(0.0)
     yield stage.arrived, 0
     yield stage.after(stage.settle_s), 0
-    simulation.set_pressure_pa_gauge = setup.protocol.closing_pressures_pa_gauge(
-        setup.calibration, setup.plan.set_angle_deg
-    )
+    known = setup.calibration if setup.control is None else setup.control
+    simulation.set_pressure_pa_gauge = setup.protocol.closing_pressures_pa_gauge(known, setup.plan.set_angle_deg)
     yield stage.after(setup.protocol.close_s), 0
     stage.recorder.mark(simulation)
     for number, phase in enumerate(setup.protocol.phases, start=1):

@@ -193,7 +193,7 @@ class PneumaticSystem:
     def _tick(self, state: PneumaticState, volumes: Sequence[float], set_pa_gauge: Values) -> PneumaticState:
         """Read the sensors at the present volumes and let the controller switch the valves."""
         sets = [float(value) for value in set_pa_gauge]
-        self._check_sets(sets)
+        self.check_sets(sets)
         readings = tuple(self._flow.read(state, volumes))
         if self.sensor is not None:
             # one stream per reset, addressed by the tick's number: a restored state repeats its noise
@@ -208,17 +208,23 @@ class PneumaticSystem:
             ticks=state.ticks + 1, readings_pa_abs=readings, valves=valves, controller=memory, waiting_s=waiting
         )
 
-    def _check_sets(self, sets: Sequence[float]) -> None:
-        if len(sets) != len(self.elements):
-            raise ValueError(f"set_pa_gauge has {len(sets)} values: must have {len(self.elements)}")
-        for name, value, element in zip(ELEMENTS, sets, self.elements, strict=True):
-            highest, limit = element.supply_pa_abs, "supply"
-            if self.sensor is not None and self.sensor.high_pa_abs < highest:
-                highest, limit = self.sensor.high_pa_abs, "sensor's range"
-            if not 0.0 <= value <= highest - element.ambient_pa_abs:
+    @property
+    def highest_set_pa_gauge(self) -> tuple[float, ...]:
+        """Highest set pressure of each element [Pa gauge], (3,): its supply's, or the end of the sensor's range."""
+        reach = math.inf if self.sensor is None else self.sensor.high_pa_abs
+        return tuple(min(e.supply_pa_abs, reach) - e.ambient_pa_abs for e in self.elements)
+
+    def check_sets(self, set_pa_gauge: Sequence[float]) -> None:
+        """Raise a ValueError that names the element if set pressures [Pa gauge], (3,), cannot be kept."""
+        if len(set_pa_gauge) != len(self.elements):
+            raise ValueError(f"set_pa_gauge has {len(set_pa_gauge)} values: must have {len(self.elements)}")
+        for name, value, element, highest in zip(
+            ELEMENTS, set_pa_gauge, self.elements, self.highest_set_pa_gauge, strict=True
+        ):
+            if not 0.0 <= value <= highest:
+                limit = "supply" if highest == element.supply_pa_abs - element.ambient_pa_abs else "sensor's range"
                 raise ValueError(
-                    f"set_pa_gauge of {name} = {value!r}: must be in [0, {highest - element.ambient_pa_abs:g}] Pa "
-                    f"({limit} ends there)"
+                    f"set_pa_gauge of {name} = {value!r}: must be in [0, {highest:g}] Pa ({limit} ends there)"
                 )
 
 

@@ -26,7 +26,7 @@ from softhand_sim.simulation import HandSimulation, default_pneumatics
 HOLE = (Leak(finger="index", start_s=0.3),)
 EVERYTHING = replace(FULL, leaks=HOLE)
 NAMES = tuple(ACTS_ON)
-DECLARED = {"relief"}
+DECLARED = {"relief", "pads"}
 """Effects of no preset, which have tests of their own."""
 
 

@@ -6,8 +6,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from softhand_sim.grasp.plan import GraspPlan, palm_axes, pose_of_palm
+from softhand_sim.hand.index import HandIndex
 from softhand_sim.hand.scene import build_scene
-from softhand_sim.simulation import HandIndex
 
 
 @pytest.mark.parametrize("seed", range(5))

@@ -22,8 +22,8 @@ from softhand_sim.grasp.place import Offset, on_table
 from softhand_sim.grasp.plan import GraspPlan
 from softhand_sim.grasp.protocol import GraspProtocol
 from softhand_sim.hand.anatomy import HandAnatomy
+from softhand_sim.hand.index import HandIndex
 from softhand_sim.hand.scene import EngineSettings
-from softhand_sim.simulation import HandIndex
 
 Vector = npt.NDArray[np.float64]
 
@@ -44,8 +44,8 @@ LOADING_S = 0.8
 # choice: a hand that has to be pressed onto object or table with more than this does not count as having come in; it
 # would force a can between the fingers' bases with all the strength of the arm
 PRESS_N = 10.0
-# choice: held pressures end up to a pulse, 2 kPa, below the set ones; an apple that is drawn in still moves when the last
-# finger has filled
+# choice: held pressures end up to a pulse, 2 kPa, below the set ones; an apple that is drawn in still moves when the
+# last finger has filled
 FILLED = 0.97
 CLOSED_REST_S = 0.4
 # choice: coming in and closing are nearly quasi-static, hurried ones serve to sort candidates; what can roll is pushed

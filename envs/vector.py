@@ -1,0 +1,189 @@
+"""Vector environments: many episodes at once on the engine's own threads."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from gymnasium.utils import seeding
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space, concatenate, create_empty_array, iterate
+
+from envs.config import EnvConfig
+from envs.episode import Episode
+from envs.hand_env import observation_space, observed
+from envs.lanes import Lanes
+from envs.task import Task
+from envs.world import WorldCache
+
+Info = dict[str, Any]
+Flags = npt.NDArray[np.bool_]
+
+
+class SoftHandVectorEnv(VectorEnv[Any, Any, Any]):
+    """``num_envs`` environments of one kind; the same results as so many single ones with the same seeds, bit for bit.
+
+    Made by ``gymnasium.make_vec``. All have one object and one calibration, and randomisations of the object alone
+    (its place, mass and friction): what differs otherwise runs with ``vectorization_mode="async"``. There are no
+    pictures either.
+
+    Parameters
+    ----------
+    tasks
+        One for each environment.
+    config
+        Of all of them.
+    max_episode_steps
+        After which an episode is truncated; None for never.
+    threads
+        Of the engine; 0 for all processors.
+    autoreset_mode
+        ``NEXT_STEP`` (default): the step after an episode's last one resets it, whatever the action, and has reward 0.
+        ``SAME_STEP``: the last step returns the next episode's first observation; the last of the old one is in
+        ``info["final_obs"]``, its info in ``info["final_info"]``. ``DISABLED``: the caller resets, with
+        ``options={"reset_mask": ...}``.
+
+    Raises
+    ------
+    ValueError
+        If the number of environments or of steps is not above 0, or the environments would have to differ.
+    """
+
+    def __init__(
+        self,
+        tasks: Sequence[Task],
+        config: EnvConfig,
+        *,
+        max_episode_steps: int | None,
+        threads: int = 0,
+        autoreset_mode: str | AutoresetMode = AutoresetMode.NEXT_STEP,
+    ) -> None:
+        if not tasks:
+            raise ValueError("num_envs = 0: must be 1 or more")
+        if max_episode_steps is not None and max_episode_steps < 1:
+            raise ValueError(f"max_episode_steps = {max_episode_steps}: must be None or 1 or more")
+        if threads < 0:
+            raise ValueError(f"threads = {threads}: must be 0 or more")
+        mode = AutoresetMode(autoreset_mode)
+        self.num_envs = len(tasks)
+        self.metadata = {"render_modes": [], "autoreset_mode": mode}
+        self._autoreset, self._most = mode, max_episode_steps
+        scenes = config.scenes()
+        _require_alike(config, len(scenes.settings.objects), len(scenes.settings.calibrations))
+        self._episodes = tuple(Episode(config.spec(scenes, task), WorldCache(scenes), task) for task in tasks)
+        self._lanes = Lanes(self._episodes, threads)
+        self._mode = config.mode
+        spec = self._episodes[0].spec
+        self.single_action_space = spec.action.space
+        self.single_observation_space = observation_space(config, spec.layout.space, tasks[0])
+        self.action_space = batch_space(self.single_action_space, self.num_envs)
+        self.observation_space = batch_space(self.single_observation_space, self.num_envs)
+        self._rngs = [seeding.np_random()[0] for _ in tasks]
+        self._steps = np.zeros(self.num_envs, dtype=np.int64)
+        self._over = np.zeros(self.num_envs, dtype=bool)
+
+    @property
+    def episodes(self) -> tuple[Episode, ...]:
+        """What runs inside."""
+        return self._episodes
+
+    def reset(
+        self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Any, Info]:
+        """Start new episodes, all of them or those of ``options["reset_mask"]``, a bool array (n,).
+
+        Parameters
+        ----------
+        seed
+            One for the first environment, the others counting on from it, or one each.
+        options
+            As of a single environment; the same for all.
+
+        Raises
+        ------
+        ValueError
+            If the number of seeds or the mask is wrong, or an option is not allowed (`BadOptionError`).
+        """
+        n, given = self.num_envs, dict(options or {})
+        mask = given.pop("reset_mask", np.ones(n, dtype=bool))
+        if not isinstance(mask, np.ndarray) or mask.shape != (n,) or mask.dtype != np.bool_ or not mask.any():
+            raise ValueError(f"options: reset_mask = {mask!r}: must be a bool array of shape ({n},), not all False")
+        seeds = [seed + i for i in range(n)] if isinstance(seed, int) else list(seed or [None] * n)
+        if len(seeds) != n:
+            raise ValueError(f"seed: {len(seeds)} given, must be one or {n}")
+        if "leak" in given or "valve_flow_ratio" in given or "sensor_offset_pa" in given:
+            raise ValueError(f"options: {sorted(given)}: gas is the same in all environments of this kind")
+        chosen = np.flatnonzero(mask).tolist()
+        for i in chosen:
+            if seeds[i] is not None:
+                self._rngs[i] = seeding.np_random(seeds[i])[0]
+        infos: Info = {}
+        for i, info in self._restart(chosen, given).items():
+            infos = self._add_info(infos, info, i)
+        return self._observations(), infos
+
+    def step(self, actions: Any) -> tuple[Any, npt.NDArray[np.float64], Flags, Flags, Info]:
+        """Advance all environments by one control period.
+
+        Raises
+        ------
+        BadActionError
+            If an action has a wrong shape or a value that the space does not hold; nothing was advanced.
+        RuntimeError
+            Before the first reset.
+        """
+        n = self.num_envs
+        resetting = self._over if self._autoreset is AutoresetMode.NEXT_STEP else np.zeros(n, dtype=bool)
+        if self._autoreset is AutoresetMode.DISABLED and self._over.any():
+            raise RuntimeError(f"episodes {np.flatnonzero(self._over).tolist()} are over: reset them first")
+        for episode, action, ended in zip(self._episodes, iterate(self.action_space, actions), resetting, strict=True):
+            if not ended:
+                episode.command(action)
+        lost = self._lanes.advance(self._episodes[0].substeps)
+        rewards, terminated, truncated = np.zeros(n), np.zeros(n, dtype=bool), np.zeros(n, dtype=bool)
+        infos: Info = {}
+        for i, episode in enumerate(self._episodes):
+            if resetting[i]:
+                continue
+            episode.look(lost=bool(lost[i]))
+            rewards[i], terminated[i], info = episode.judge(episode.spec.control_period_s)
+            self._steps[i] += 1
+            truncated[i] = self._most is not None and self._steps[i] >= self._most
+            if self._autoreset is AutoresetMode.SAME_STEP and (terminated[i] or truncated[i]):
+                info = {"final_obs": observed(episode, self._mode), "final_info": info}
+            infos = self._add_info(infos, info, i)
+        self._over = terminated | truncated
+        again = self._over if self._autoreset is AutoresetMode.SAME_STEP else resetting
+        if again.any():
+            for i, info in self._restart(np.flatnonzero(again).tolist(), {}).items():
+                infos = self._add_info(infos, info, i)
+        return self._observations(), rewards, terminated, truncated, infos
+
+    def _restart(self, chosen: list[int], options: dict[str, Any]) -> dict[int, Info]:
+        """Reset some episodes and return their infos."""
+        infos = {}
+        for i in chosen:
+            episode = self._episodes[i]
+            drawn = episode.reset(self._rngs[i], options)
+            infos[i] = episode.judge(0.0)[2] | drawn
+            self._steps[i], self._over[i] = 0, False
+        self._lanes.enter(chosen)
+        return infos
+
+    def _observations(self) -> Any:
+        out: Any = create_empty_array(self.single_observation_space, n=self.num_envs)
+        rows = [observed(episode, self._mode) for episode in self._episodes]
+        return concatenate(self.single_observation_space, rows, out)
+
+
+def _require_alike(config: EnvConfig, objects: int, calibrations: int) -> None:
+    """Raise ValueError if the worlds would have to differ in more than one batch of the engine allows."""
+    causes = {
+        f"objects: {objects} given": objects > 1,
+        f"calibrations: {calibrations} given": calibrations > 1,
+        "randomization: leaks, valves and sensors": config.ranges.of_gas,
+        "camera": config.camera is not None,
+    }
+    for cause, holds in causes.items():
+        if holds:
+            raise ValueError(f"{cause}: environments of one batch are alike; take vectorization_mode='async'")

@@ -1,0 +1,166 @@
+"""What a step of an environment costs beside the engine's steps within it, and how fast simulated time goes by.
+
+For each scene, every action is timed in the environment, and then the bare engine takes the same number of steps from
+the same state, with nothing around it; one after the other within one run. Times are those of the processor, so that
+other work on the machine disturbs them less. Afterwards free-running environments are timed by the clock, in turns:
+one environment of each scene and, where gymnasium-robotics is installed, its hand with the table-top task.
+"""
+
+import importlib
+import importlib.util
+import os
+import time
+import warnings
+from collections.abc import Sequence
+from typing import Any
+
+import gymnasium
+import mujoco
+import numpy as np
+import numpy.typing as npt
+from tqdm import tqdm
+
+import envs
+from scripts import _cli
+
+EXAMPLES = """examples:
+  benchmark_env.py --json out/env.json
+  benchmark_env.py --steps 1000 --effects full
+  benchmark_env.py --steps 100 --seconds 2
+"""
+SCENES: dict[str, tuple[str, dict[str, Any]]] = {
+    "grasp apple": (envs.GRASP_ENV_ID, {"objects": "apple"}),
+    "grasp mug": (envs.GRASP_ENV_ID, {"objects": "mug"}),
+    "reorient bar": (envs.REORIENT_ENV_ID, {}),
+}
+OTHER = "AdroitHandRelocate-v1"
+_STATE = mujoco.mjtState.mjSTATE_INTEGRATION
+Vector = npt.NDArray[np.float64]
+
+
+def parser() -> _cli.Parser:
+    """Return the command line's definition."""
+    p = _cli.Parser(description=__doc__, examples=EXAMPLES)
+    p.add_argument("--steps", type=_cli.positive_int, default=500, help="actions a scene (default %(default)s)")
+    p.add_argument("--effects", choices=["ideal", "bench", "full"], default="bench", help="(default %(default)s)")
+    p.add_argument("--mode", choices=["hardware", "state", "goal"], default="state", help="observed (%(default)s)")
+    text = "time by the clock for each free-running environment, in five turns; 0 for none (default %(default)s)"
+    p.add_argument("--seconds", type=_cli.non_negative_float, default=10.0, help=text)
+    p.add_common(seed="seed of episodes", json="write the figures to this file")
+    return p
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command line; return the exit status."""
+    return _cli.run(_job, argv)
+
+
+def _job(argv: Sequence[str] | None) -> int:
+    args = parser().parse_args(argv)
+    _cli.check_writable(args.json)
+    made = {
+        name: gymnasium.make(env_id, effects=args.effects, observation_mode=args.mode, **given)
+        for name, (env_id, given) in SCENES.items()
+    }
+    rows = [
+        _beside_engine(name, env, args.steps, args.seed)
+        for name, env in tqdm(made.items(), desc="scenes", unit="scene", disable=None)
+    ]
+    print(f"{'scene':<14}{'action us':>11}{'engine us':>11}{'ratio':>8}   per step of the engine")
+    for row in rows:
+        us = 1e6 / row["engine_steps"]
+        times = f"{us * row['env_processor_s']:>11.1f}{us * row['engine_processor_s']:>11.1f}"
+        print(f"{row['scene']:<14}{times}{row['ratio']:>8.2f}")
+    data: dict[str, Any] = {"effects": args.effects, "mode": args.mode, "steps": args.steps, "cpus": os.cpu_count()}
+    data["scenes"] = rows
+    if args.seconds > 0.0:
+        data["simulated_s_per_s"] = _free_running(made, args.seconds, args.seed)
+        for name, speed in data["simulated_s_per_s"].items():
+            print(f"{name}: {speed:.1f} simulated seconds a second")
+    for env in made.values():
+        env.close()
+    if args.json is not None:
+        _cli.write_json(args.json, data)
+    return 0
+
+
+def _beside_engine(name: str, env: Any, steps: int, seed: int) -> dict[str, Any]:
+    """Time actions, and the engine from the same states."""
+    raw = env.unwrapped
+    spent, done, engine_steps = {"env": 0.0, "engine": 0.0}, True, 0
+    actions = _actions(raw, steps, seed)
+    for k in range(steps):
+        if done:
+            env.reset(seed=seed + k)
+            simulation = raw.episode.here.simulation
+            state = np.empty(mujoco.mj_stateSize(simulation.model, _STATE))
+            bare = mujoco.MjData(simulation.model)
+        mujoco.mj_getState(simulation.model, simulation.data, state, _STATE)
+        began = time.process_time()
+        *_, terminated, truncated, _ = env.step(actions[k])
+        spent["env"] += time.process_time() - began
+        done = terminated or truncated
+        count = raw.episode.substeps
+        mujoco.mj_setState(simulation.model, bare, state, _STATE)
+        bare.ctrl[:] = simulation.data.ctrl
+        began = time.process_time()
+        mujoco.mj_step(simulation.model, bare, count)
+        spent["engine"] += time.process_time() - began
+        engine_steps += count
+    return {
+        "scene": name,
+        "engine_steps": engine_steps,
+        "env_processor_s": spent["env"],
+        "engine_processor_s": spent["engine"],
+        "ratio": spent["env"] / spent["engine"],
+    }
+
+
+def _actions(env: Any, steps: int, seed: int) -> npt.NDArray[np.float32]:
+    """Return set pressures that go up and down within episodes, (steps, a), so that hand and object touch."""
+    rng = np.random.default_rng(seed)
+    actions = np.zeros((steps, *env.action_space.shape), dtype=np.float32)
+    # new set pressures every second, towards closing; the grasping wrist goes down for half a second of ten
+    held = rng.uniform(0.2, 1.0, size=(steps // 25 + 1, 3))
+    actions[:, :3] = np.repeat(held, 25, axis=0)[:steps]
+    if actions.shape[1] > 3:
+        actions[np.arange(steps) % 250 < 13, :3] = -1.0
+        actions[np.arange(steps) % 250 < 13, 5] = -1.0
+    return actions
+
+
+def _free_running(made: dict[str, Any], seconds: float, seed: int) -> dict[str, float]:
+    """Return simulated seconds per second by the clock of each environment, resets included."""
+    runs = dict(made)
+    if importlib.util.find_spec("gymnasium_robotics") is not None:
+        runs[OTHER] = _adroit()
+    wall, simulated = dict.fromkeys(runs, 0.0), dict.fromkeys(runs, 0.0)
+    for env in runs.values():
+        env.reset(seed=seed)
+        env.action_space.seed(seed)
+    for _ in tqdm(range(5), desc="free-running", unit="turn", disable=None):
+        for name, env in runs.items():
+            period, began = _period_s(env), time.perf_counter()
+            while time.perf_counter() - began < seconds / 5.0:
+                *_, terminated, truncated, _ = env.step(env.action_space.sample())
+                simulated[name] += period
+                if terminated or truncated:
+                    env.reset()
+            wall[name] += time.perf_counter() - began
+    return {name: simulated[name] / wall[name] for name in runs}
+
+
+def _adroit() -> Any:
+    gymnasium.register_envs(importlib.import_module("gymnasium_robotics"))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return gymnasium.make(OTHER)
+
+
+def _period_s(env: Any) -> float:
+    raw = env.unwrapped
+    return float(raw.dt) if hasattr(raw, "dt") else float(raw.episode.spec.control_period_s)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

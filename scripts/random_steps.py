@@ -1,0 +1,105 @@
+"""Random actions by the million: nothing may become NaN or leave its space, and memory must stay flat.
+
+The steps are shared out over both environments and all their action and observation modes, with all randomisations and
+all effects in turn. Engine warnings and divergences are counted by name; memory is the process's own, resident.
+"""
+
+import itertools
+import os
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+from tqdm import tqdm
+
+import envs
+from scripts import _cli
+
+EXAMPLES = """examples:
+  random_steps.py --steps 1000000 --json out/random.json
+  random_steps.py --steps 3600 --objects apple
+"""
+OBJECTS = "apple,lemon,mug,soup_can,banana"
+EPISODE_STEPS = 250
+LEAK_BYTES = 64 << 20
+"""Choice: growth from the first half's end that is called a leak; allocators keep some megabytes back."""
+
+
+def parser() -> _cli.Parser:
+    """Return the command line's definition."""
+    p = _cli.Parser(description=__doc__, examples=EXAMPLES)
+    p.add_argument("--steps", type=_cli.positive_int, default=1_000_000, help="in all (default %(default)s)")
+    p.add_argument("--objects", default=OBJECTS, help="catalogue names of the grasps (default %(default)s)")
+    p.add_common(seed="seed of episodes and actions", json="write the figures to this file")
+    return p
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command line; return the exit status."""
+    return _cli.run(_job, argv)
+
+
+def _job(argv: Sequence[str] | None) -> int:
+    args = parser().parse_args(argv)
+    _cli.check_writable(args.json)
+    cases = list(_cases(tuple(args.objects.split(","))))
+    share = -(-args.steps // (2 * len(cases)))
+    made: dict[int, Any] = {}
+    counts: Counter[str] = Counter()
+    memory: list[int] = []
+    # every case twice: what is still growing in the second half is a leak
+    with tqdm(total=2 * len(cases) * share, desc="steps", unit="step", disable=None) as bar:
+        for half, (k, (env_id, given)) in itertools.product(range(2), enumerate(cases)):
+            if k not in made:
+                made[k] = gymnasium.make(env_id, max_episode_steps=EPISODE_STEPS, **given)
+            _run(made[k], share, args.seed + 2 * k + half, counts)
+            memory.append(_resident_bytes())
+            bar.update(share)
+    grown = memory[-1] - memory[len(cases) - 1]
+    data = {"steps": counts.pop("steps"), "cases": len(cases), "counts": dict(counts), "grown_bytes": grown}
+    data |= {"resident_bytes_first": memory[0], "resident_bytes_last": memory[-1]}
+    print(f"{data['steps']} steps in {len(cases)} cases: {dict(counts)}")
+    print(f"memory: {memory[len(cases) - 1] >> 20} MiB after the first half, {memory[-1] >> 20} MiB at the end")
+    if args.json is not None:
+        _cli.write_json(args.json, data)
+    bad = counts["not finite or outside the space"] > 0 or grown > LEAK_BYTES
+    return _cli.INCOMPLETE if bad else 0
+
+
+def _cases(objects: tuple[str, ...]) -> list[tuple[str, dict[str, Any]]]:
+    modes = itertools.product(("pressure", "angle", "valve"), (True, False), ("hardware", "state", "goal"))
+    cases = []
+    for k, (action, wrist, seen) in enumerate(modes):
+        given = {"action_mode": action, "wrist": wrist, "observation_mode": seen, "randomization": "domain"}
+        effects = ("bench", "full")[k % 2]
+        cases.append((envs.GRASP_ENV_ID, {**given, "effects": effects, "objects": objects[k % len(objects)]}))
+        cases.append((envs.REORIENT_ENV_ID, {**given, "effects": effects}))
+    return cases
+
+
+def _run(env: Any, steps: int, seed: int, counts: Counter[str]) -> None:
+    env.action_space.seed(seed)
+    env.reset(seed=seed)
+    for _ in range(steps):
+        seen, reward, terminated, truncated, info = env.step(env.action_space.sample())
+        counts["steps"] += 1
+        if not (np.isfinite(reward) and env.observation_space.contains(seen)):
+            counts["not finite or outside the space"] += 1
+        if terminated or truncated:
+            counts["episodes"] += 1
+            counts["diverged"] += info["diverged"]
+            counts.update(info["engine_warnings"])
+            env.reset()
+
+
+def _resident_bytes() -> int:
+    """Return the memory that the process holds at present; 0 where the system does not tell."""
+    statm = Path("/proc/self/statm")
+    return int(statm.read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") if statm.exists() else 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,31 @@
+"""Which actuation runs: compiled where numba is installed, plain elsewhere."""
+
+import importlib.util
+from collections.abc import Callable
+
+import numpy as np
+import numpy.typing as npt
+
+from softhand_sim.actuation.parts import Actuation, EngineArrays, HandParts
+from softhand_sim.actuation.plain import PlainActuation
+from softhand_sim.wrist import move_wrists
+
+Vector = npt.NDArray[np.float64]
+
+
+def prepare_actuation(hand: HandParts, engine: EngineArrays) -> Actuation:
+    """Return the actuation of all worlds of the engine's arrays."""
+    if importlib.util.find_spec("numba") is None:
+        return PlainActuation(hand, engine)
+    from softhand_sim.actuation.compiled import CompiledActuation  # noqa: PLC0415 - numba is optional
+
+    return CompiledActuation(hand, engine)
+
+
+def wrist_mover() -> Callable[[Vector, Vector, float, float], None]:
+    """Return `move_wrists`, compiled where numba is installed."""
+    if importlib.util.find_spec("numba") is None:
+        return move_wrists
+    from softhand_sim.actuation import kernel  # noqa: PLC0415 - numba is optional
+
+    return kernel.move_wrists

@@ -1,0 +1,153 @@
+"""Compiled balance of one element: its manifold, and the chambers behind their tubes (`network`, `Branch`)."""
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from softhand_sim.compiling import inner
+from softhand_sim.pneumatics.compiled.flows import heat_flow, mass_flow, tube_flow
+from softhand_sim.pneumatics.compiled.layout import CAPACITY, CONTENT, GROWTH, MANIFOLDS, MASS, PRESSURE, WARMTH
+from softhand_sim.pneumatics.compiled.vessels import MAX_ITERATIONS, next_guess, positive_root, settle
+
+F64 = npt.NDArray[np.float64]
+Valves = npt.NDArray[np.uint8]
+
+
+@inner
+def _leaf(e: Any, leaf: F64, hub_warmth: float, hole: F64, hub: float, guess: float, dt: float) -> float:
+    """`Branch.solve`: pressure of a chamber at the step's end for a manifold's pressure."""
+    ambient, leaks, warmth = e.ambient, hole[0] > 0.0, leaf[WARMTH]
+    if not leaks and e.exponent == 1.0:
+        pull = dt * e.laminar
+        p = positive_root(leaf[GROWTH] + pull, leaf[CAPACITY], leaf[CONTENT] + pull * hub * hub)
+        if abs(hub * hub - p * p) <= e.crossing:
+            return p
+    low, high = min(leaf[PRESSURE], hub), max(leaf[PRESSURE], hub)
+    if leaks:
+        low, high = min(low, ambient), max(high, ambient)
+    p = min(max(guess, low), high)
+    for _ in range(MAX_ITERATIONS):
+        flow, slope = tube_flow(e, hub * hub - p * p)
+        weight = hub_warmth if flow > 0.0 else warmth
+        residual = (leaf[CAPACITY] + leaf[GROWTH] * p) * p - leaf[CONTENT] - dt * weight * flow
+        rise = leaf[CAPACITY] + 2.0 * leaf[GROWTH] * p + dt * weight * 2.0 * p * slope
+        if leaks:
+            flow, slope = heat_flow(hole, ambient, p, warmth)
+            residual -= dt * flow
+            rise -= dt * slope
+        p, low, high, found = next_guess(p, low, high, residual, rise)
+        if found:
+            break
+    return p
+
+
+@inner
+def _branch(
+    e: Any, leaf: F64, hub_warmth: float, hole: F64, hub: float, guess: float, dt: float
+) -> tuple[float, float, float]:
+    """`Branch.inflow_and_slope`, and the chamber's pressure."""
+    p = _leaf(e, leaf, hub_warmth, hole, hub, guess, dt)
+    flow, slope = tube_flow(e, hub * hub - p * p)
+    weight = hub_warmth if flow > 0.0 else leaf[WARMTH]
+    flow, slope = weight * flow, weight * slope
+    stiffness = leaf[CAPACITY] + 2.0 * leaf[GROWTH] * p + 2.0 * dt * p * slope
+    if hole[0] > 0.0:
+        stiffness -= dt * heat_flow(hole, e.ambient, p, leaf[WARMTH])[1]
+    return -flow, -2.0 * hub * slope * (1.0 - 2.0 * dt * p * slope / stiffness), p
+
+
+@inner
+def _balance(  # noqa: PLR0913, PLR0917 - a compiled function takes arrays, not objects
+    e: Any, nodes: F64, k: int, open_: Valves, holes: F64, supply: float, p: float, guesses: F64, dt: float
+) -> tuple[float, float]:
+    """Residual of a manifold's balance at a pressure, and its derivative; the chambers' pressures go to ``guesses``."""
+    hub, ambient, warmth = nodes[k], e.ambient, nodes[k, WARMTH]
+    residual = (hub[CAPACITY] + hub[GROWTH] * p) * p - hub[CONTENT]
+    rise = hub[CAPACITY] + 2.0 * hub[GROWTH] * p
+    if open_[2 * k]:
+        flow, slope = heat_flow(e.inlet, supply, p, warmth)
+        residual -= dt * flow
+        rise -= dt * slope
+    if open_[2 * k + 1]:
+        flow, slope = heat_flow(e.outlet, ambient, p, warmth)
+        residual -= dt * flow
+        rise -= dt * slope
+    for i in range(e.first, e.first + e.fingers):
+        if e.half > 0.0:
+            flow, slope, guesses[i] = _branch(e, nodes[MANIFOLDS + i], warmth, holes[i], p, guesses[i], dt)
+        elif holes[i, 0] > 0.0:
+            flow, slope = heat_flow(holes[i], ambient, p, warmth)
+        else:
+            continue
+        residual -= dt * flow
+        rise -= dt * slope
+    return residual, rise
+
+
+@inner
+def _manifold(e: Any, nodes: F64, k: int, open_: Valves, holes: F64, supply: float, guesses: F64, dt: float) -> float:
+    """Pressure of a manifold at the step's end (`solve_pressure`)."""
+    ambient: float = e.ambient
+    p: float = nodes[k, PRESSURE]
+    low = high = p
+    if open_[2 * k]:
+        low, high = min(low, supply), max(high, supply)
+    if open_[2 * k + 1]:
+        low, high = min(low, ambient), max(high, ambient)
+    for i in range(e.first, e.first + e.fingers):
+        if holes[i, 0] > 0.0:
+            low, high = min(low, ambient), max(high, ambient)
+        if e.half > 0.0:
+            low, high = min(low, guesses[i]), max(high, guesses[i])
+    for _ in range(MAX_ITERATIONS):
+        residual, rise = _balance(e, nodes, k, open_, holes, supply, p, guesses, dt)
+        p, low, high, found = next_guess(p, low, high, residual, rise)
+        if found:
+            break
+    return p
+
+
+@inner
+def shut_off(e: Any, k: int, open_: Valves, holes: F64) -> bool:
+    """Whether no gas can move in an element: no tube between its vessels, no open valve, no leak."""
+    moves = e.half > 0.0 or open_[2 * k] or open_[2 * k + 1]
+    for i in range(e.first, e.first + e.fingers):
+        moves = moves or holes[i, 0] > 0.0
+    return not moves
+
+
+@inner
+def advance_element(  # noqa: PLR0913, PLR0917 - a compiled function takes arrays, not objects
+    e: Any, k: int, nodes: F64, open_: Valves, holes: F64, supply: float, guesses: F64, dt: float, gas: F64
+) -> float:
+    """`network.advance` from filled nodes: write the gas after the step, return the mass drawn from the supply."""
+    ambient, warmth = e.ambient, nodes[k, WARMTH]
+    if shut_off(e, k, open_, holes):
+        settle(e, nodes[k], nodes[k, PRESSURE], nodes[k, MASS], dt, k, gas)
+        return 0.0
+    if e.half > 0.0:
+        for i in range(e.first, e.first + e.fingers):
+            guesses[i] = nodes[MANIFOLDS + i, PRESSURE]
+    p = _manifold(e, nodes, k, open_, holes, supply, guesses, dt)
+    drawn, inflow = 0.0, 0.0
+    if open_[2 * k]:
+        drawn = mass_flow(e.inlet, supply, p, warmth)
+        inflow += drawn
+    if open_[2 * k + 1]:
+        inflow += mass_flow(e.outlet, ambient, p, warmth)
+    for i in range(e.first, e.first + e.fingers):
+        if e.half > 0.0:
+            leaf = nodes[MANIFOLDS + i]
+            q = _leaf(e, leaf, warmth, holes[i], p, guesses[i], dt)
+            flow = tube_flow(e, q * q - p * p)[0]
+            inflow += flow
+            gained = -flow
+            if holes[i, 0] > 0.0:
+                gained += mass_flow(holes[i], ambient, q, leaf[WARMTH])
+            settle(e, leaf, q, leaf[MASS] + dt * gained, dt, MANIFOLDS + i, gas)
+        elif holes[i, 0] > 0.0:
+            inflow += mass_flow(holes[i], ambient, p, warmth)
+    settle(e, nodes[k], p, nodes[k, MASS] + dt * inflow, dt, k, gas)
+    taken: float = dt * drawn
+    return taken

@@ -1,0 +1,166 @@
+"""Vector environments: the same as so many single ones, autoreset as Gymnasium defines it, refusals by name."""
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.vector import AutoresetMode
+
+import envs
+from envs.errors import BadActionError, BadOptionError
+from envs.randomization import Randomization
+
+WORLDS, STEPS = 3, 30
+RANGES = Randomization(mass_ratio=(0.8, 1.2), friction=(0.5, 1.0))
+
+
+def both(env_id, **arguments):
+    """Return a vector environment on the engine's threads and one made of single environments."""
+    mode = arguments.pop("autoreset_mode", AutoresetMode.NEXT_STEP)
+    common = {"num_envs": WORLDS, "max_episode_steps": STEPS, **arguments}
+    ours = gymnasium.make_vec(env_id, threads=2, autoreset_mode=mode, **common)
+    single = {"vectorization_mode": "sync", "vector_kwargs": {"autoreset_mode": mode}}
+    return ours, gymnasium.make_vec(env_id, **single, **common)
+
+
+def assert_same(one, other):
+    """Compare observations, rewards, flags and infos, bit for bit."""
+    if isinstance(one, dict):
+        assert one.keys() == other.keys()
+        for key in one:
+            assert_same(one[key], other[key])
+    elif isinstance(one, np.ndarray) and one.dtype == object:
+        for a, b in zip(one, other, strict=True):
+            assert_same(a, b)
+    else:
+        assert np.array_equal(np.asarray(one), np.asarray(other))
+
+
+def closing(space, rng):
+    """Return actions (n, a) that close the hand around what lies there, each world's a little different."""
+    actions = rng.uniform(-0.2, 0.2, space.shape)
+    actions[:, :3] += 0.7
+    return actions.astype(np.float32)
+
+
+@pytest.mark.parametrize(
+    ("env_id", "arguments"),
+    [
+        (envs.GRASP_ENV_ID, {"randomization": RANGES}),
+        (envs.GRASP_ENV_ID, {"effects": "full", "observation_mode": "hardware", "action_mode": "angle"}),
+        (envs.REORIENT_ENV_ID, {"observation_mode": "goal"}),
+        (envs.REORIENT_ENV_ID, {"autoreset_mode": AutoresetMode.SAME_STEP}),
+        (envs.REORIENT_ENV_ID, {"effects": "ideal", "wrist": True}),
+    ],
+)
+def test_results_are_those_of_single_environments_bit_for_bit(env_id, arguments):
+    """Over resets: episodes end by truncation after 30 steps."""
+    ours, singles = both(env_id, **arguments)
+    assert ours.observation_space == singles.observation_space
+    assert ours.action_space == singles.action_space
+    for one, other in zip(ours.reset(seed=5), singles.reset(seed=5), strict=True):
+        assert_same(one, other)
+    rng = np.random.default_rng(0)
+    truncations = 0
+    for _ in range(2 * STEPS + 10):
+        actions = closing(ours.action_space, rng)
+        one, other = ours.step(actions), singles.step(actions)
+        for a, b in zip(one, other, strict=True):
+            assert_same(a, b)
+        truncations += one[3].sum()
+    assert truncations == 2 * WORLDS
+    ours.close()
+    singles.close()
+
+
+def test_the_number_of_threads_changes_nothing():
+    rows = []
+    for threads in (1, 2):
+        vector = envs.SoftHandReorientVectorEnv(num_envs=WORLDS, threads=threads)
+        vector.reset(seed=1)
+        rows.append([vector.step(np.full((WORLDS, 3), 0.5))[0] for _ in range(15)])
+    assert np.array_equal(*rows)
+
+
+def test_bare_valves_work_in_a_batch():
+    ours, singles = both(envs.GRASP_ENV_ID, action_mode="valve", wrist=False)
+    ours.reset(seed=0)
+    singles.reset(seed=0)
+    rng = np.random.default_rng(0)
+    for _ in range(10):
+        actions = rng.integers(0, 2, (WORLDS, 6), dtype=np.int8)
+        assert_same(ours.step(actions)[0], singles.step(actions)[0])
+
+
+def test_a_lost_world_ends_alone_and_starts_anew():
+    vector = envs.SoftHandReorientVectorEnv(num_envs=WORLDS)
+    vector.reset(seed=0)
+    still = np.full((WORLDS, 3), -1.0)
+    untouched = envs.SoftHandReorientVectorEnv(num_envs=WORLDS)
+    untouched.reset(seed=0)
+    vector._lanes._hands.engine.state[1, 1:10] = np.nan
+    seen, _, terminated, _, infos = vector.step(still)
+    expected = untouched.step(still)[0]
+    assert terminated.tolist() == [False, True, False]
+    assert infos["diverged"].tolist() == [False, True, False]
+    assert vector.observation_space.contains(seen)
+    assert np.array_equal(seen[[0, 2]], expected[[0, 2]])
+    seen, rewards, terminated, _, infos = vector.step(still)
+    assert rewards[1] == 0.0
+    assert not terminated.any()
+    assert infos["object"][1] == "foam_bar"
+    for _ in range(5):
+        seen, _, terminated, *_ = vector.step(still)
+    assert not terminated.any()
+    assert vector.observation_space.contains(seen)
+
+
+def test_a_caller_may_reset_some():
+    vector = envs.SoftHandReorientVectorEnv(num_envs=2, max_episode_steps=3, autoreset_mode="Disabled")
+    vector.reset(seed=0)
+    for _ in range(3):
+        *_, truncated, _ = vector.step(np.zeros((2, 3)))
+    assert truncated.all()
+    with pytest.raises(RuntimeError, match=r"\[0, 1\] are over"):
+        vector.step(np.zeros((2, 3)))
+    seen, _ = vector.reset(options={"reset_mask": np.array([True, False])})
+    assert seen[0, 64] == pytest.approx(0.0, abs=1e-3)
+    with pytest.raises(RuntimeError, match=r"\[1\] are over"):
+        vector.step(np.zeros((2, 3)))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"objects": ["apple", "mug"]}, "objects: 2 given.*async"),
+        ({"calibrations": [None, None]}, "calibrations: 2 given"),
+        ({"randomization": "domain"}, "leaks, valves and sensors"),
+        ({"camera": (32, 32)}, "camera"),
+        ({"num_envs": 0}, "num_envs = 0"),
+        ({"max_episode_steps": 0}, "max_episode_steps = 0"),
+        ({"threads": -1}, "threads = -1"),
+        ({"autoreset_mode": "never"}, "never"),
+    ],
+)
+def test_what_a_batch_cannot_hold_is_refused(arguments, message):
+    with pytest.raises(ValueError, match=message):
+        envs.SoftHandGraspVectorEnv(**({"num_envs": 2} | arguments))
+
+
+def test_bad_actions_options_and_seeds_are_named():
+    vector = envs.SoftHandReorientVectorEnv(num_envs=2)
+    with pytest.raises(RuntimeError, match="call reset first"):
+        vector.step(np.zeros((2, 3)))
+    with pytest.raises(BadOptionError, match="colour"):
+        vector.reset(options={"colour": "red"})
+    with pytest.raises(ValueError, match="valve_flow_ratio"):
+        vector.reset(options={"valve_flow_ratio": 1.0})
+    with pytest.raises(ValueError, match="3 given, must be one or 2"):
+        vector.reset(seed=[1, 2, 3])
+    with pytest.raises(ValueError, match="reset_mask"):
+        vector.reset(options={"reset_mask": np.array([False, False])})
+    vector.reset(seed=0)
+    before = vector.step(np.zeros((2, 3)))[0]
+    vector.reset(seed=0)
+    with pytest.raises(BadActionError, match=r"action\[2\]: nan"):
+        vector.step(np.array([[0.0, 0.0, 0.0], [0.0, 0.0, np.nan]]))
+    assert np.array_equal(vector.step(np.zeros((2, 3)))[0], before)
