@@ -31,9 +31,8 @@ TABLE_GAP_M = 0.006
 PUSH_M, AWAY_M = 0.012, 0.030
 # choice: spread of what the shape does not tell
 JITTER_M, JITTER_RAD = 0.010, 0.15
-# choice: past what the shipped finger is calibrated for, that is its highest pressure
-HIGHEST_ANGLE_DEG = 100.0
-SOFT_ANGLES_DEG = (70.0, 85.0, FIRM_ANGLE_DEG)
+# choice: the thumb closes firmly always
+SOFT_ANGLES_DEG = (70.0, 85.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -166,9 +165,9 @@ def _plan(place: Vector, axes: Vector, retreat: tuple[float, ...], rng: np.rando
 
 
 def set_angles_deg(rng: np.random.Generator) -> tuple[float, ...]:
-    """Draw set angles: as firm as can be, in half of the draws the four fingers softer, against the one thumb."""
-    soft = float(rng.choice(SOFT_ANGLES_DEG)) if rng.uniform() < 0.5 else HIGHEST_ANGLE_DEG
-    return HIGHEST_ANGLE_DEG, soft, soft
+    """Draw set angles: firm ones, in half of the draws the four fingers softer, against the one thumb."""
+    long_fingers = float(rng.choice(SOFT_ANGLES_DEG)) if rng.uniform() < 0.5 else FIRM_ANGLE_DEG
+    return FIRM_ANGLE_DEG, long_fingers, long_fingers
 
 
 def _turned(angle_rad: float) -> Vector:
