@@ -9,6 +9,8 @@ from softhand_sim.grasp.choice.shipped import default_grasp
 from softhand_sim.objects.catalogue import make_object
 
 STILL = (0.0, 0.0, 0.0)
+# where the hand expects the object
+THERE = {"object_offset_m": (0.0, 0.0), "object_yaw_rad": 0.0}
 
 
 def run(env, script, **reset):
@@ -36,17 +38,17 @@ def apple_script(hold):
 def test_the_default_grasp_solves_the_task(made):
     """Success, and a better return than doing nothing."""
     grasp = apple_script(hold=37)
-    _, total, successes = run(made(), grasp)
+    _, total, successes = run(made(), grasp, options=THERE)
     assert successes[-1]
     assert not any(successes[:113])
-    _, idle, none = run(made(), [(-1.0, STILL)] * len(grasp))
+    _, idle, none = run(made(), [(-1.0, STILL)] * len(grasp), options=THERE)
     assert not any(none)
     assert total > 2.0 * idle
 
 
 def test_fingers_alone_solve_it_when_the_wrist_goes_the_protocols_way(made):
     env = made(wrist=False)
-    env.reset(seed=0)
+    env.reset(seed=0, options=THERE)
     for k in range(160):
         info = env.step(np.full(3, -1.0 if k < 20 else 0.875))[4]
     assert info["is_success"]
@@ -55,7 +57,7 @@ def test_fingers_alone_solve_it_when_the_wrist_goes_the_protocols_way(made):
 def test_goal_mode_pays_at_the_goal_and_nowhere_else(made):
     env = made(observation_mode="goal")
     # where the default grasp takes the apple
-    seen, _ = env.reset(seed=0, options={"goal_position_m": (0.0, 0.0, 0.18)})
+    seen, _ = env.reset(seed=0, options={"goal_position_m": (0.0, 0.0, 0.18), **THERE})
     assert env.compute_reward(seen["achieved_goal"], seen["desired_goal"], {}) == -1.0
     batch = np.array([seen["desired_goal"] + (0.0, 0.0, d) for d in (0.0, 0.019, 0.021)])
     assert env.compute_reward(batch, np.tile(seen["desired_goal"], (3, 1)), {}).tolist() == [0.0, 0.0, -1.0]
