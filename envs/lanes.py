@@ -76,6 +76,10 @@ class Lanes:
             simulation.range_watch = hands.range_watch(lane)
         return lost
 
+    def state(self) -> npt.NDArray[np.float64]:
+        """Return a copy of the engine's full state, one row a lane."""
+        return np.array(self._batch().engine.state)
+
     def _park(self, lanes: npt.NDArray[np.int64]) -> None:
         hands = self._batch()
         rest = [np.random.default_rng(0) for _ in lanes]

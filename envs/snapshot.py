@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import mujoco
+import numpy as np
 
 from envs.draw import Draw
 from envs.episode import Episode
@@ -64,6 +65,8 @@ class Snapshot:
         mine, saved = simulation.data, self.data
         if mine.qpos.shape != saved.qpos.shape or mine.geom_xpos.shape != saved.geom_xpos.shape:
             raise BadStateError("state of a scene with other parts: was it saved with other objects or effects?")
+        # a world of its own may never have been reset
+        simulation.reset(np.random.default_rng(0), self.simulation["wrist_reference"])
         # into the simulation's own data, which others hold views of
         mujoco.mj_copyData(mine, simulation.model, saved)
         for name, value in self.simulation.items():

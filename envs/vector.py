@@ -87,6 +87,10 @@ class SoftHandVectorEnv(VectorEnv[Any, Any, Any]):
         """What runs inside."""
         return self._episodes
 
+    def engine_state(self) -> npt.NDArray[np.float64]:
+        """Return a copy of the engine's full state, one row an environment, for measurements."""
+        return self._lanes.state()
+
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Any, Info]:

@@ -2,8 +2,9 @@
 
 For each scene, every action is timed in the environment, and then the bare engine takes the same number of steps from
 the same state, with nothing around it; one after the other within one run. Times are those of the processor, so that
-other work on the machine disturbs them less. Afterwards free-running environments are timed by the clock, in turns:
-one environment of each scene and, where gymnasium-robotics is installed, its hand with the table-top task.
+other work on the machine disturbs them less. Then a vector environment takes turns with one environment and with a bare
+batch of the engine from the same states, by the clock. Last, free-running environments of each scene are timed by the
+clock in turns and, where gymnasium-robotics is installed, its hand with the table-top task.
 """
 
 import importlib
@@ -11,11 +12,12 @@ import importlib.util
 import os
 import time
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import gymnasium
 import mujoco
+import mujoco.batch
 import numpy as np
 import numpy.typing as npt
 from tqdm import tqdm
@@ -45,6 +47,9 @@ def parser() -> _cli.Parser:
     p.add_argument("--effects", choices=["ideal", "bench", "full"], default="bench", help="(default %(default)s)")
     p.add_argument("--mode", choices=["hardware", "state", "goal"], default="state", help="observed (%(default)s)")
     text = "time by the clock for each free-running environment, in five turns; 0 for none (default %(default)s)"
+    p.add_argument("--worlds", type=_cli.non_negative_int, default=16, help="of the vector; 0 for none (%(default)s)")
+    p.add_argument("--threads", type=_cli.positive_int, default=2, help="of the vector (default %(default)s)")
+    p.add_argument("--turns", type=_cli.positive_int, default=20, help="of the vector, 5 actions each (%(default)s)")
     p.add_argument("--seconds", type=_cli.non_negative_float, default=10.0, help=text)
     p.add_common(seed="seed of episodes", json="write the figures to this file")
     return p
@@ -73,6 +78,13 @@ def _job(argv: Sequence[str] | None) -> int:
         print(f"{row['scene']:<14}{times}{row['ratio']:>8.2f}")
     data: dict[str, Any] = {"effects": args.effects, "mode": args.mode, "steps": args.steps, "cpus": os.cpu_count()}
     data["scenes"] = rows
+    if args.worlds > 0:
+        data["vector"] = row = _vector(args)
+        print(
+            f"{row['worlds']} worlds, {row['threads']} threads: {row['vector']:.0f} actions a second, "
+            f"{row['over_single']:.2f} of one environment's {row['single']:.0f}, {row['over_batch']:.2f} of the bare "
+            f"batch's {row['batch']:.0f} ({row['over_batch_by_processor']:.2f} by processor time)"
+        )
     if args.seconds > 0.0:
         data["simulated_s_per_s"] = _free_running(made, args.seconds, args.seed)
         for name, speed in data["simulated_s_per_s"].items():
@@ -89,6 +101,9 @@ def _beside_engine(name: str, env: Any, steps: int, seed: int) -> dict[str, Any]
     raw = env.unwrapped
     spent, done, engine_steps = {"env": 0.0, "engine": 0.0}, True, 0
     actions = _actions(raw, steps, seed)
+    # the first step compiles
+    env.reset(seed=seed)
+    env.step(actions[0])
     for k in range(steps):
         if done:
             env.reset(seed=seed + k)
@@ -127,6 +142,55 @@ def _actions(env: Any, steps: int, seed: int) -> npt.NDArray[np.float32]:
         actions[np.arange(steps) % 250 < 13, :3] = -1.0
         actions[np.arange(steps) % 250 < 13, 5] = -1.0
     return actions
+
+
+def _vector(args: Any) -> dict[str, float]:
+    """Return actions per second by the clock of a vector environment, of one environment, and of a batch alone."""
+    given = {"effects": args.effects, "observation_mode": args.mode}
+    vector = gymnasium.make_vec(envs.GRASP_ENV_ID, num_envs=args.worlds, threads=args.threads, **given)
+    single = gymnasium.make(envs.GRASP_ENV_ID, **given)
+    n, count = args.worlds, 5 * args.turns
+    actions = _actions(single, count, args.seed)
+    vector.reset(seed=args.seed)
+    single.reset(seed=args.seed)
+    episode = single.unwrapped.episode  # type: ignore[attr-defined]
+    batch = mujoco.batch.Batch(episode.here.model, n, nthread=args.threads)
+    ways: dict[str, Callable[[npt.NDArray[np.float32]], None]] = {
+        "batch": lambda few: _step_batch(batch, len(few) * episode.substeps),
+        "vector": lambda few: _step_vector(vector, few),
+        "single": lambda few: _step_single(single, few),
+    }
+    wall, processor = dict.fromkeys(ways, 0.0), dict.fromkeys(ways, 0.0)
+    for turn in tqdm(range(args.turns), desc="vector", unit="turn", disable=None):
+        # the engine's work depends on contacts: the batch goes from where the vector is
+        batch.state[:] = vector.unwrapped.engine_state()  # type: ignore[attr-defined]
+        for name, way in ways.items():
+            began, began_processor = time.perf_counter(), time.process_time()
+            way(actions[5 * turn : 5 * turn + 5])
+            wall[name] += time.perf_counter() - began
+            processor[name] += time.process_time() - began_processor
+    vector.close()
+    rates = {"vector": n * count / wall["vector"], "batch": n * count / wall["batch"], "single": count / wall["single"]}
+    ratios = {f"over_{name}": rates["vector"] / rates[name] for name in ("single", "batch")}
+    ratios["over_batch_by_processor"] = processor["batch"] / processor["vector"]
+    return {"worlds": n, "threads": args.threads, **rates, **ratios}
+
+
+def _step_batch(batch: mujoco.batch.Batch, steps: int) -> None:
+    for _ in range(steps):
+        batch.step()
+
+
+def _step_vector(vector: Any, actions: npt.NDArray[np.float32]) -> None:
+    for action in actions:
+        vector.step(np.tile(action, (vector.num_envs, 1)))
+
+
+def _step_single(env: Any, actions: npt.NDArray[np.float32]) -> None:
+    for action in actions:
+        *_, terminated, truncated, _ = env.step(action)
+        if terminated or truncated:
+            env.reset()
 
 
 def _free_running(made: dict[str, Any], seconds: float, seed: int) -> dict[str, float]:

@@ -79,7 +79,6 @@ class HandSimulation:
         self.set_pressure_pa_gauge = np.zeros(3)
         self.range_watch = RangeWatch(limits=CalibratedRange.of(self.calibration))
         self._next_look_s = 0.0
-        self._written: Vector | None = None
         self._actuation.reset(0, rng)
 
     def advance(self, steps: int) -> None:
@@ -93,7 +92,7 @@ class HandSimulation:
                 self.step()
                 steps -= 1
                 continue
-            self._write_wrist()
+            self.data.ctrl[self.index.wrist_ctrl] = self.wrist_reference
             self._actuation.step(self.dt)
             until_look = max(1, math.ceil((self._next_look_s - self.data.time) / self.dt - 1e-6))
             taken = min(steps, until_look)
@@ -104,17 +103,12 @@ class HandSimulation:
     def step(self) -> None:
         """Advance by one time step of the engine."""
         self.move_wrist()
-        self._write_wrist()
+        self.data.ctrl[self.index.wrist_ctrl] = self.wrist_reference
         if self._played is not None:
             self._actuation.play(np.array([next(self._played)]))
         self._actuation.step(self.dt)
         mujoco.mj_step(self.model, self.data)
         self._look()
-
-    def _write_wrist(self) -> None:
-        # the engine keeps what was written; a reference that moves is a new array
-        if self._written is not self.wrist_reference:
-            self.data.ctrl[self.index.wrist_ctrl] = self._written = self.wrist_reference
 
     def _look(self) -> None:
         if self.data.time >= self._next_look_s:

@@ -31,7 +31,7 @@ class Film:
 
 
 def film_all(plan: BenchmarkPlan, results: Sequence[TrialResult]) -> Iterator[Film]:
-    """Run a trial of each object once more and film it: a held one where there is one.
+    """Run a trial of each object once more and film it: a held one where there is one, none where all crashed.
 
     Raises
     ------
@@ -40,17 +40,21 @@ def film_all(plan: BenchmarkPlan, results: Sequence[TrialResult]) -> Iterator[Fi
     """
     for model in plan.objects:
         shown = shown_trial(results, model.name)
+        if shown is None:
+            continue
         setup = prepare_for(plan, model)
-        frames: list[Picture] = []
+        frames, end_s = list[Picture](), shown.simulated_s
         with Camera(setup.scene.model, width=SIZE[0], height=SIZE[1]) as camera:
 
             def watch(simulation: HandSimulation) -> None:
-                last = simulation.data.time >= shown.simulated_s - 1e-6  # noqa: B023 - called within this turn
+                last = simulation.data.time >= end_s - 1e-6  # noqa: B023 - called within this turn of the loop
                 if last or simulation.data.time >= FRAME_S * len(frames):  # noqa: B023
                     view = around(simulation.data.site("grasp").xpos)
                     frames.append(camera.picture(simulation.data, view))  # noqa: B023
 
             run_trial(setup, shown.seed, watch)
+        if not frames:  # it diverged at once
+            continue
         yield Film(result=shown, picture=_webp(frames[-1:]), film=_webp(frames))
 
 

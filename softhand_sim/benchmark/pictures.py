@@ -20,10 +20,13 @@ BEFORE_END_S = 1.0
 COLUMNS = 3
 
 
-def shown_trial(results: Sequence[TrialResult], name: str) -> TrialResult:
-    """Return the trial of an object that stands for all: the first held one, or the first."""
-    own = [result for result in results if result.object == name]
-    return next((result for result in own if result.outcome is Outcome.HELD), own[0])
+def shown_trial(results: Sequence[TrialResult], name: str) -> TrialResult | None:
+    """Return the trial of an object that stands for all: the first held one, or the first.
+
+    None if all have crashed: one that killed its process twice is not run again in this one.
+    """
+    own = [result for result in results if result.object == name and result.outcome is not Outcome.CRASHED]
+    return next((result for result in own if result.outcome is Outcome.HELD), own[0] if own else None)
 
 
 def draw(plan: BenchmarkPlan, results: list[TrialResult], folder: Path) -> list[Path]:
@@ -39,6 +42,8 @@ def draw(plan: BenchmarkPlan, results: list[TrialResult], folder: Path) -> list[
     files = []
     for model in plan.objects:
         shown = shown_trial(results, model.name)
+        if shown is None:
+            continue
         setup = prepare_for(plan, model)
         at_s = shown.simulated_s - BEFORE_END_S
         taken: list[Picture] = []

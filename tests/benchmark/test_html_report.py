@@ -1,6 +1,7 @@
 """The report as a file: what a browser would be given. In a browser: `chromium_check.py`, by `make browser-check`."""
 
 import base64
+import dataclasses
 import io
 import json
 import re
@@ -12,8 +13,13 @@ from PIL import Image
 from tests_report_helpers import HELD, TRIALS, content, results, sweep
 
 from scripts import grasp_benchmark
+from softhand_sim.benchmark.films import film_all
 from softhand_sim.benchmark.histogram import histogram
 from softhand_sim.benchmark.html_report import html_report
+from softhand_sim.benchmark.pictures import shown_trial
+from softhand_sim.benchmark.plan import BenchmarkPlan
+from softhand_sim.grasp.verdict import Outcome
+from softhand_sim.objects.catalogue import make_object
 
 VOID = {"meta", "img", "line", "circle", "rect"}
 
@@ -83,6 +89,15 @@ def test_pictures_and_films_are_whole_and_films_move():
     assert images[0]["alt"] == "mug, seed 0: HELD"
     without = html_report(content(films=(), no_films="no OpenGL library"))
     assert "no OpenGL library" in without
+
+
+def test_a_trial_that_killed_its_process_is_not_run_again_for_a_picture():
+    found = results()
+    assert shown_trial(found, "apple").outcome is Outcome.HELD
+    dead = [dataclasses.replace(r, outcome=Outcome.CRASHED) for r in found]
+    assert shown_trial([*dead[:3], *found[3:4]], "mug").seed == 3
+    plan = BenchmarkPlan(objects=(make_object("mug"),), trials=TRIALS)
+    assert list(film_all(plan, dead)) == []
 
 
 def test_everything_of_the_run_is_there():

@@ -1,0 +1,50 @@
+"""The scripts around the environments: they run, and what they say is whole."""
+
+import json
+
+import pytest
+
+from scripts import benchmark_env, random_steps
+
+
+def test_random_steps_count_and_watch_memory(tmp_path, monkeypatch, capsys):
+    cases = list(random_steps._cases(("apple",)))
+    assert len(cases) == 36
+    assert len({json.dumps(case) for case in cases}) == 36
+    monkeypatch.setattr(random_steps, "_cases", lambda _: [cases[0], cases[31]])
+    monkeypatch.setattr(random_steps, "EPISODE_STEPS", 20)
+    out = tmp_path / "random.json"
+    assert random_steps.main(["--steps", "200", "--objects", "apple", "--json", str(out)]) == 0
+    data = json.loads(out.read_text())
+    assert data["steps"] == 200
+    assert data["counts"]["episodes"] >= 8
+    assert data["counts"]["diverged"] == 0
+    assert data["resident_bytes_last"] > 50 << 20
+    assert "200 steps in 2 cases" in capsys.readouterr().out
+
+
+@pytest.mark.filterwarnings("ignore:.*observation space")
+def test_an_observation_outside_its_space_fails_the_run(monkeypatch):
+    cases = list(random_steps._cases(("apple",)))[1:2]
+    monkeypatch.setattr(random_steps, "_cases", lambda _: cases)
+    monkeypatch.setattr("envs.observations.Layout.pack", lambda layout, _: layout.high + 1.0)
+    assert random_steps.main(["--steps", "4"]) == 1
+
+
+def test_the_benchmark_compares_with_the_engine_and_a_batch(tmp_path):
+    out = tmp_path / "env.json"
+    arguments = ["--steps", "10", "--worlds", "2", "--turns", "1", "--seconds", "0.1", "--json", str(out)]
+    assert benchmark_env.main(arguments) == 0
+    data = json.loads(out.read_text())
+    assert [row["scene"] for row in data["scenes"]] == list(benchmark_env.SCENES)
+    for row in data["scenes"]:
+        # 20 steps of 2 ms in 40 ms; an action does the engine's work and more
+        assert row["engine_steps"] == 200
+        assert row["ratio"] == pytest.approx(row["env_processor_s"] / row["engine_processor_s"])
+    assert data["vector"]["worlds"] == 2
+    assert min(data["simulated_s_per_s"].values()) > 0.0
+
+
+def test_bad_input_is_one_line(capsys):
+    assert random_steps.main(["--steps", "10", "--objects", "human_being"]) == 2
+    assert "human_being" in capsys.readouterr().err
