@@ -28,7 +28,7 @@ NOISE = Offsets(position_m=0.010, yaw_rad=float(np.radians(10.0)))
 # a closing that holds this much of the weight is one whose trial holds; choice: what lies over it counts a fifth
 ENOUGH = 1.2
 MARGIN_SHARE = 0.2
-# choice: a scripted grasp of this score is kept; closings lose one in ten of what trials hold
+# choice: a scripted grasp of this score is kept: nine in ten is what is wanted of an easy object
 GOOD_ENOUGH = 0.9
 # choice: what does not even lift most of the weight without any displacement is not made better by variations
 HOPELESS = 0.45
