@@ -23,11 +23,12 @@ from softhand_sim.hand.anatomy import HandAnatomy
 from softhand_sim.hand.scene import EngineSettings
 from softhand_sim.objects.catalogue import make_object
 from softhand_sim.objects.model import ObjectModel
+from softhand_sim.uncertainty.ensemble import load_ensemble
 
 Objects = str | ObjectModel | Sequence[str | ObjectModel]
 Calibration = Path | str | FingerCalibration | None
 
-AUTO = "auto"
+AUTO, ENSEMBLE = "auto", "ensemble"
 AUTO_TOLERANCE = Tolerance(angle_deg=5.0, slip_m=0.010)
 """Choice: what ``scripts/explain_scene.py`` takes by default."""
 ARM_M = 0.1
@@ -61,6 +62,7 @@ class EnvConfig:
         Time step and solver.
     calibrations
         Finger calibrations (material pairs), as paths or loaded, None for the shipped one; one is drawn an episode.
+        ``ensemble``: the shipped one and the members of the shipped ensemble (`softhand_sim.uncertainty`).
         The controller's table and the highest set pressure are those of the first: it does not know the draw.
     control_period_s
         Time of one action [s]: a whole number of the controller's 20 ms.
@@ -138,8 +140,7 @@ class EnvConfig:
         given = [self.objects] if isinstance(self.objects, str | ObjectModel) else list(self.objects)
         objects = tuple(make_object(o) if isinstance(o, str) else o for o in given)
         names_of(objects)
-        one = self.calibrations is None or isinstance(self.calibrations, Path | str | FingerCalibration)
-        wanted = [self.calibrations] if one else list(self.calibrations)  # type: ignore[arg-type]
+        wanted = _all_of(self.calibrations)
         if not wanted:
             raise ValueError("calibrations = []: must be one or more")
         tolerance = self.tolerance
@@ -149,7 +150,7 @@ class EnvConfig:
         return Scenes(
             SceneSettings(
                 objects=objects,
-                calibrations=tuple(_loaded(c) for c in wanted),  # type: ignore[arg-type]
+                calibrations=tuple(_loaded(c) for c in wanted),
                 effects=self._effects,
                 tolerance=tolerance,
                 engine=self._engine,
@@ -182,6 +183,15 @@ class EnvConfig:
 def _one_of(name: str, value: object, allowed: Sequence[str]) -> None:
     if value not in allowed:
         raise ValueError(f"{name} = {value!r}: must be one of {', '.join(allowed)}")
+
+
+def _all_of(calibrations: Calibration | Sequence[Calibration]) -> list[Calibration]:
+    if calibrations == ENSEMBLE:
+        solved = [member for source in load_ensemble().sources for member in source.solved]
+        return [None, *(member.calibration for member in solved)]
+    if calibrations is None or isinstance(calibrations, Path | str | FingerCalibration):
+        return [calibrations]
+    return list(calibrations)
 
 
 def _loaded(calibration: Calibration) -> FingerCalibration:

@@ -100,7 +100,7 @@ class SoftHandGraspEnv(SoftHandEnv):
     | quantity | ``place`` (default) | ``domain`` | option of ``reset`` that fixes it |
     |---|---|---|---|
     | object | any of ``objects`` | same | ``object``: name |
-    | material pair | any of ``calibrations`` | same | ``calibration``: index |
+    | material pair (finger) | any of ``calibrations`` | same | ``calibration``: index |
     | object's displacement x, y | 10 mm each | same | ``object_offset_m``: (x, y) |
     | object's turn | 10 degrees | same | ``object_yaw_rad`` |
     | object's mass | its own | 0.8 to 1.25 of it | ``mass_kg`` |

@@ -16,7 +16,7 @@ from softhand_sim.contact import ContactSettings
 from softhand_sim.control.protocol import Controller
 from softhand_sim.effects import Effects
 from softhand_sim.effects.auto import choose
-from softhand_sim.effects.build import apply_to_model, build_losses, build_pneumatics
+from softhand_sim.effects.build import apply_to_contacts, apply_to_model, build_losses, build_pneumatics
 from softhand_sim.effects.scene import SceneFacts, Tolerance
 from softhand_sim.elements import FINGERS
 from softhand_sim.grasp.contacts import ContactMap
@@ -79,6 +79,8 @@ class World:
         self.object_qpos = int(self.model.joint("object_joint").qposadr[0])
         self.contacts = ContactMap.of(self.model)
         self._geoms = np.flatnonzero((self.model.geom_bodyid == self.body) & (self.model.geom_contype != 0))
+        mine = np.isin(self.model.pair_geom1, self._geoms) | np.isin(self.model.pair_geom2, self._geoms)
+        self._pairs = np.flatnonzero(mine)
         self._inertia = self.model.body_inertia[self.body] / self.object.mass_kg
         self.simulation = self._simulate(self.effects)
         index, free = self.simulation.index, int(self.model.joint("object_joint").dofadr[0])
@@ -116,7 +118,10 @@ class World:
             model.body_inertia[self.body] = mass * self._inertia
             # a data of its own: what follows from the masses is computed in the reference pose
             mujoco.mj_setConst(model, mujoco.MjData(model))
-        model.geom_friction[self._geoms] = ContactSettings().friction(self.friction(draw))
+        sliding, torsion, rolling = ContactSettings().friction(self.friction(draw))
+        model.geom_friction[self._geoms] = (sliding, torsion, rolling)
+        # soft pads have pairs of their own; their stiffness stays that for the object's own mass
+        model.pair_friction[self._pairs] = (sliding, sliding, torsion, rolling, rolling)
         if self._gas_of(draw) != self._drawn:
             self.simulation = self._simulate(draw.on(self.effects))
             self._drawn = self._gas_of(draw)
@@ -158,6 +163,7 @@ class Scenes:
         def add_object(root: Any) -> None:
             apply_to_model(effects, root)
             attach_object(root, model)
+            apply_to_contacts(effects, root)
 
         return build_scene(calibration, engine=s.engine, add_object=add_object).model, effects
 

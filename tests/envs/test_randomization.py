@@ -4,10 +4,16 @@ import dataclasses
 
 import numpy as np
 import pytest
+import trimesh
 
+import envs
 from envs.draw import Drawer
 from envs.randomization import DOMAIN, NONE, Randomization
+from softhand_sim.calibration.pad import load_pad_evidence
 from softhand_sim.effects import BENCH
+from softhand_sim.objects.loader import load_mesh_object
+from softhand_sim.pads import SoftPads
+from softhand_sim.uncertainty.ensemble import load_ensemble
 
 LEAK = {"finger": "index", "sonic_conductance_m3_per_s_pa": 2e-11}
 
@@ -145,10 +151,6 @@ def test_material_pairs_come_from_the_calibrations_given(made, calibration):
 
 
 def test_a_mesh_of_the_users_own_is_an_object_like_any_other(tmp_path):
-    import trimesh  # noqa: PLC0415 - needed here alone
-
-    import envs  # noqa: PLC0415
-    from softhand_sim.objects.loader import load_mesh_object  # noqa: PLC0415
 
     path = tmp_path / "brick.stl"
     trimesh.creation.box((0.05, 0.06, 0.04)).export(path)
@@ -158,3 +160,23 @@ def test_a_mesh_of_the_users_own_is_an_object_like_any_other(tmp_path):
     assert info["object"] == "brick"
     assert info["mass_kg"] == pytest.approx(0.05)
     env.step(np.zeros(9))
+
+
+def test_the_shipped_ensemble_is_a_list_of_calibrations():
+
+    env = envs.SoftHandReorientEnv(calibrations="ensemble")
+    solved = [member for source in load_ensemble().sources for member in source.solved]
+    assert env.episode.spec.drawer.calibrations == 1 + len(solved) >= 4
+    assert {env.episode.spec.drawer.draw(np.random.default_rng(k)).calibration for k in range(200)} == set(
+        range(1 + len(solved))
+    )
+
+
+def test_soft_pads_get_the_drawn_friction():
+    pads = SoftPads.of(load_pad_evidence())
+    env = envs.SoftHandReorientEnv(effects=dataclasses.replace(BENCH, pads=pads))
+    env.reset(seed=0, options={"friction": 0.35})
+    model = env.episode.here.model
+    assert model.npair == 30
+    assert set(model.pair_friction[:, 0]) == set(model.pair_friction[:, 1]) == {0.35}
+    env.step(np.zeros(3))
