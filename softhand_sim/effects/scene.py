@@ -14,9 +14,10 @@ from softhand_sim.effects.bare import BareHand
 from softhand_sim.effects.effects import Effects
 from softhand_sim.effects.gravity import weight_bend_deg
 from softhand_sim.effects.rehearsal import Rehearsal, rehearse
+from softhand_sim.grasp.choice.shipped import default_grasp
+from softhand_sim.grasp.plan import GraspPlan
 from softhand_sim.grasp.protocol import GraspProtocol
 from softhand_sim.grasp.protocol_file import load_protocol
-from softhand_sim.grasp.scripted import plan_grasp
 from softhand_sim.hand.scene import build_root, compile_scene
 from softhand_sim.objects.model import ObjectModel
 from softhand_sim.relaxation import MaxwellBranch
@@ -49,7 +50,7 @@ class Tolerance:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SceneFacts:
-    """One grasp of one object with the scripted plan, or a bare hand, and the effects that it could have.
+    """One grasp of one object with its plan, or a bare hand, and the effects that it could have.
 
     Attributes
     ----------
@@ -90,9 +91,13 @@ class SceneFacts:
         offered: Effects,
         protocol: GraspProtocol | None = None,
         survives: Callable[[], bool] = lambda: False,
+        plan: GraspPlan | None = None,
     ) -> "SceneFacts":
-        """Return the facts of an object's scripted grasp; without `survives` it counts as one that may fail."""
-        times, angles = protocol or load_protocol(), plan_grasp(model).set_angle_deg
+        """Return the facts of an object's grasp, its default one without a plan.
+
+        Without `survives` it counts as one that may fail.
+        """
+        times, angles = protocol or load_protocol(), (plan or default_grasp(model)).set_angle_deg
         travel_s = times.lift_m / 0.1  # the wrist's speed (paper)
         return cls(
             calibration=calibration,

@@ -12,12 +12,13 @@ from softhand_sim.effects import BENCH, Effects
 from softhand_sim.effects.auto import Answer, choose
 from softhand_sim.effects.build import apply_to_contacts, apply_to_model, build_losses, build_pneumatics
 from softhand_sim.effects.scene import SceneFacts, Tolerance
+from softhand_sim.grasp.choice.shipped import default_grasp
 from softhand_sim.grasp.place import place_object
+from softhand_sim.grasp.plan import GraspPlan
 from softhand_sim.grasp.protocol import GraspProtocol
 from softhand_sim.grasp.protocol_file import load_protocol
 from softhand_sim.grasp.record import Recorder
 from softhand_sim.grasp.result import TrialResult, result_of
-from softhand_sim.grasp.scripted import GraspPlan, plan_grasp
 from softhand_sim.grasp.stage import SAMPLE_S, Stage
 from softhand_sim.grasp.verdict import Outcome
 from softhand_sim.hand.scene import EngineSettings, Scene, build_scene
@@ -57,9 +58,10 @@ def prepare(
     engine: EngineSettings | None = None,
     effects: Effects = BENCH,
     tolerance: Tolerance | None = None,
+    plan: GraspPlan | None = None,
     control: FingerCalibration | None = None,
 ) -> TrialSetup:
-    """Build the scene of an object and choose its grasp; by default for the paper's protocol.
+    """Build the scene of an object; by default for the paper's protocol and with the object's `default_grasp`.
 
     ``control`` is the calibration that the controller knows, where that is not the fingers' own. With a tolerance,
     effects that the scene does not call for are left out (`choose`), and `TrialSetup.answers` says why.
@@ -68,7 +70,7 @@ def prepare(
     model = model.with_overrides(mass_kg=protocol.mass_kg, friction=protocol.friction)
     answers: tuple[Answer, ...] = ()
     if tolerance is not None:
-        effects, answers = choose(facts_of(model, calibration, effects, protocol), tolerance)
+        effects, answers = choose(facts_of(model, calibration, effects, protocol, plan=plan), tolerance)
 
     def add_object(root: Any) -> None:
         apply_to_model(effects, root)
@@ -80,7 +82,7 @@ def prepare(
         model=model,
         calibration=calibration,
         scene=scene,
-        plan=plan_grasp(model),
+        plan=default_grasp(model) if plan is None else plan,
         pneumatics=build_pneumatics(effects, calibration),
         losses=build_losses(effects, calibration),
         protocol=protocol,
@@ -95,15 +97,22 @@ def facts_of(
     offered: Effects,
     protocol: GraspProtocol | None = None,
     seeds: Sequence[int] = STRESS_SEEDS,
+    plan: GraspPlan | None = None,
 ) -> SceneFacts:
     """Return what the effects may know of a grasp, `survives_more_mass` included."""
-    return SceneFacts.of(
-        model, calibration, offered, protocol, lambda: survives_more_mass(model, calibration, protocol, seeds)
-    )
+
+    def survives() -> bool:
+        return survives_more_mass(model, calibration, protocol, seeds, plan)
+
+    return SceneFacts.of(model, calibration, offered, protocol, survives, plan)
 
 
 def survives_more_mass(
-    model: ObjectModel, calibration: FingerCalibration, protocol: GraspProtocol | None, seeds: Sequence[int]
+    model: ObjectModel,
+    calibration: FingerCalibration,
+    protocol: GraspProtocol | None,
+    seeds: Sequence[int],
+    plan: GraspPlan | None = None,
 ) -> bool:
     """Whether the trials of some seeds are all held with a heavier object: a margin that small changes don't use up.
 
@@ -111,7 +120,7 @@ def survives_more_mass(
     thrust of a finger by up to a tenth.
     """
     heavier = model.with_overrides(mass_kg=STRESS_MASS_RATIO * model.mass_kg)
-    setup = prepare(heavier, calibration, protocol=replace(protocol or load_protocol(), mass_kg=None))
+    setup = prepare(heavier, calibration, protocol=replace(protocol or load_protocol(), mass_kg=None), plan=plan)
     return all(run_trial(setup, seed).outcome is Outcome.HELD for seed in seeds)
 
 

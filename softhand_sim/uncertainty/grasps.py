@@ -12,10 +12,10 @@ import numpy as np
 from softhand_sim.benchmark.plan import BenchmarkPlan
 from softhand_sim.benchmark.runner import in_order, run_benchmark
 from softhand_sim.calibration import load_calibration
+from softhand_sim.grasp.plan import FIRM_ANGLE_DEG
 from softhand_sim.grasp.protocol import GraspProtocol
 from softhand_sim.grasp.protocol_file import load_protocol
 from softhand_sim.grasp.result import TrialResult
-from softhand_sim.grasp.scripted import FIRM_ANGLE_DEG
 from softhand_sim.grasp.verdict import Outcome
 from softhand_sim.objects.model import ObjectModel
 from softhand_sim.uncertainty.blend import blended, drawn_coordinates
