@@ -124,7 +124,7 @@ def test_forced_effects_stay_or_go(apple):
 
 
 @pytest.mark.parametrize(
-    ("name", "seed", "effects"), [("apple", 7, ("tube", "heat", "gravity")), ("tennis_ball", 5, ("valve_delay",))]
+    ("name", "seed", "effects"), [("apple", 7, ("tube", "heat", "gravity")), ("tennis_ball", 4, ("valve_delay",))]
 )
 def test_estimates_bound_what_running_both_shows(calibration, name, seed, effects):
     model = make_object(name)
