@@ -11,7 +11,7 @@ GRASP_ENV_ID = "SoftHandGrasp-v0"
 REORIENT_ENV_ID = "SoftHandReorient-v0"
 """Turn a bar on the table by pressing its ends with different fingers."""
 
-# 250 steps of 40 ms: the scripted grasp needs about 8 s
+# 250 steps of 40 ms: a grasp needs about 8 s
 gymnasium.register(
     id=GRASP_ENV_ID,
     entry_point="envs.grasp:SoftHandGraspEnv",

@@ -95,7 +95,7 @@ class SoftHandGraspEnv(SoftHandEnv):
 
     ## Start and randomisation
 
-    The hand stands open 50 mm before the scripted grasp of the object as it would lie without displacement.
+    The hand stands open 50 mm before the default grasp of the object as it would lie without displacement.
 
     | quantity | ``place`` (default) | ``domain`` | option of ``reset`` that fixes it |
     |---|---|---|---|

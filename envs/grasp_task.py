@@ -12,8 +12,9 @@ from envs.errors import BadOptionError
 from envs.observations import Field
 from envs.task import Verdict
 from envs.world import World
+from softhand_sim.grasp.choice.shipped import default_grasp
+from softhand_sim.grasp.plan import GraspPlan
 from softhand_sim.grasp.protocol_file import load_protocol
-from softhand_sim.grasp.scripted import GraspPlan, plan_grasp
 from softhand_sim.objects.model import ObjectModel
 
 Vector = npt.NDArray[np.float64]
@@ -45,9 +46,9 @@ class GraspTask:
         self._plans: dict[str, GraspPlan] = {}
 
     def wrist_start(self, model: ObjectModel) -> Vector:
-        """Return the pose before the scripted grasp of the object, (6,)."""
+        """Return the pose before the default grasp of the object, (6,)."""
         # an environment's objects have different names
-        plan = self._plans.get(model.name) or plan_grasp(model)
+        plan = self._plans.get(model.name) or default_grasp(model)
         self._plans[model.name] = plan
         self._grasp = plan.standoff(0.0)
         return plan.standoff(self._protocol.approach_m)

@@ -2,7 +2,7 @@
 
 Laws are carried over as ratios, of the torque at an angle or the tension at an elongation: nominal times member over
 the nominal finger of the member's mesh. The member itself, on its own mesh, is a tenth too stiff; the ratio is much
-nearer (docs/uncertainty.md has how near).
+nearer (docs/uncertainty.md has how near). A member whose path ended on its way up has no friction, on any mesh.
 """
 
 from collections.abc import Mapping
@@ -34,8 +34,8 @@ def transferred(member: Artifact, reference: Artifact, nominal: Artifact) -> dic
     Raises
     ------
     ValueError
-        If member and reference are not of one mesh, reference and nominal not of one finger, or the result has no
-        equilibrium at a pressure that the member reached.
+        If member and reference are not of one mesh, reference and nominal not of one finger, one of them was not at a
+        state that the member reached, or the result has no equilibrium at a pressure that the member reached.
     """
     if member["provenance"]["mesh"] != reference["provenance"]["mesh"]:
         raise ValueError("provenance.mesh: member and reference must be of one mesh")
@@ -48,6 +48,7 @@ def transferred(member: Artifact, reference: Artifact, nominal: Artifact) -> dic
     body = dict(member["finger"])
     for name in ("mass_kg", "hinge_offset_m"):
         body[name] *= nominal["finger"][name] / reference["finger"][name]
+    states = _states(*(one["fea"]["finger"] for one in (member, reference, nominal)))
     pressures = list(member["curve"]["pressure_pa_gauge"])
     law = surrogate(joints, tendon, chamber, sliding)
     angle = np.rad2deg([law.angles(p) for p in pressures])
@@ -57,6 +58,7 @@ def transferred(member: Artifact, reference: Artifact, nominal: Artifact) -> dic
         "chamber": chamber,
         "sliding": sliding,
         "finger": body,
+        "fea": {**member["fea"], "finger": states},
         "curve": {
             "pressure_pa_gauge": pressures,
             "tip_angle_deg": angle.sum(axis=1).tolist(),
@@ -65,13 +67,35 @@ def transferred(member: Artifact, reference: Artifact, nominal: Artifact) -> dic
         "provenance": {
             **member["provenance"],
             "transferred": {
-                "text": "laws are those of the nominal finger on its mesh times member over nominal finger on this one",
+                "text": "laws, and the states of the complete finger (fea.finger), are those of the nominal finger on "
+                "its mesh times member over nominal finger on this one, which fea.actuator and fea.exoskeleton are of",
                 "to_density": nominal["provenance"]["density"],
                 "nominal_sha256": nominal["content_sha256"],
             },
         },
     }
     return made | {"content_sha256": content_hash(made)}
+
+
+def _states(member: Artifact, reference: Artifact, nominal: Artifact) -> dict[str, Any]:
+    """Return the member's states of the complete finger: nominal times member over reference, each at its pressure."""
+    asked = list(zip(member["branch"], member["pressure_pa_gauge"], strict=True))
+    columns: dict[str, Any] = {name: member[name] for name in ("branch", "fitted", "pressure_pa_gauge", "status")}
+    rows = []
+    for table in (reference, nominal):
+        place = {key: k for k, key in enumerate(zip(table["branch"], table["pressure_pa_gauge"], strict=True))}
+        if missing := [key for key in asked if key not in place]:
+            raise ValueError(f"fea.finger: the nominal finger was not at {missing[0][1]:g} Pa {missing[0][0]}")
+        rows.append([place[key] for key in asked])
+    for name in ("joint_angle_rad", "chamber_volume_m3"):
+        own, coarse, fine = (
+            np.array(table[name])[at]
+            for table, at in ((member, range(len(asked))), (reference, rows[0]), (nominal, rows[1]))
+        )
+        ratio = np.divide(own, coarse, out=np.ones_like(own), where=coarse != 0.0)
+        columns[name] = (ratio * fine).tolist()
+    columns["tip_angle_rad"] = np.sum(columns["joint_angle_rad"], axis=1).tolist()
+    return columns
 
 
 def surrogate(joints: list[dict[str, Any]], tendon: Artifact, chamber: Artifact, sliding: Artifact) -> Surrogate:

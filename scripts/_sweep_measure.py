@@ -18,7 +18,7 @@ from softhand_sim.benchmark.plan import BenchmarkPlan
 from softhand_sim.benchmark.report import summarise, trial_rows
 from softhand_sim.benchmark.runner import in_order, run_benchmark
 from softhand_sim.calibration import FingerCalibration
-from softhand_sim.grasp.scripted import FIRM_ANGLE_DEG
+from softhand_sim.grasp.plan import FIRM_ANGLE_DEG
 from softhand_sim.objects.model import ObjectModel
 from softhand_sim.uncertainty import measure
 

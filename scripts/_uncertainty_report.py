@@ -6,7 +6,7 @@ from typing import Any
 from scripts._finger_markdown import NONE, rows
 from softhand_sim.benchmark.report import trial_rows
 from softhand_sim.calibration import JOINTS
-from softhand_sim.uncertainty import Band, GraspPlan, GraspRow, success_band, success_interval
+from softhand_sim.uncertainty import Band, GraspRow, UncertaintyPlan, success_band, success_interval
 from softhand_sim.uncertainty.grasps import DRAWN, NOMINAL, SCENARIO, held
 
 Bands = Mapping[str, Mapping[str, Band]]
@@ -27,7 +27,7 @@ def band_table(bands: Bands, pressures_pa: Sequence[float]) -> str:
     return rows(["source", *(title for _, title, _, _ in kept)], body)
 
 
-def grasp_result(plan: GraspPlan, found: Sequence[GraspRow]) -> dict[str, Any]:
+def grasp_result(plan: UncertaintyPlan, found: Sequence[GraspRow]) -> dict[str, Any]:
     """Return settings, success of each object with its intervals, and every finger's trials, JSON ready."""
     return {
         "settings": {
@@ -64,7 +64,8 @@ def grasp_table(result: Mapping[str, Any]) -> str:
         body.append([name, "fingers within tolerance", _counts(drawn), _interval(drawn)])
         for source, one in own["scenarios"].items():
             rates = f"{one['lowest_rate']:.2f} to {one['highest_rate']:.2f}" if one["members"] else NONE
-            text = f"{source}: {len(one['members'])} scenarios"
+            number = len(one["members"])
+            text = f"{source}: {number} of {number + len(one['without_trials'])} scenarios"
             body.append([name, text, rates, _interval(one) if one["members"] else NONE])
         parts = ", ".join(f"{key} {100.0 * part:.0f} %" for key, part in drawn["variance_shares"].items())
         shares.append(f"{name}: variance within tolerance: {parts}")
@@ -73,7 +74,7 @@ def grasp_table(result: Mapping[str, Any]) -> str:
     return "\n".join([*lines, *refused])
 
 
-def _success(plan: GraspPlan, found: Sequence[GraspRow], name: str) -> dict[str, Any]:
+def _success(plan: UncertaintyPlan, found: Sequence[GraspRow], name: str) -> dict[str, Any]:
     nominal = next(row for row in found if row.kind == NOMINAL)
     drawn = [row for row in found if row.kind == DRAWN]
     band = success_band([held(row, name) for row in drawn], plan.trials, [row.coordinates for row in drawn])

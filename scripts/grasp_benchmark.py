@@ -16,6 +16,8 @@ from tqdm import tqdm
 from assets import asset_path
 from scripts import _cli
 from scripts._grasp_report import read_sweep, write_report
+from scripts._grasps import ChosenGrasp, add_grasps, check_search, choose_grasps, cost
+from softhand_sim.benchmark.halves import DEVELOPMENT, REPORT, half, held_in_halves
 from softhand_sim.benchmark.pictures import draw
 from softhand_sim.benchmark.plan import BenchmarkPlan
 from softhand_sim.benchmark.ray_engine import LOCAL
@@ -27,7 +29,7 @@ from softhand_sim.grasp.protocol_file import DEFAULT, load_protocol, protocol_na
 from softhand_sim.grasp.result import TrialResult
 from softhand_sim.grasp.stage import Phase
 from softhand_sim.hand.scene import EngineSettings
-from softhand_sim.objects.batch import load_all
+from softhand_sim.objects.batch import Batch, load_all
 from softhand_sim.objects.catalogue import load_catalogue, make_object
 from softhand_sim.objects.loader import load_mesh_object
 from softhand_sim.objects.model import DEFAULT_FRICTION, ObjectModel
@@ -42,6 +44,8 @@ EXAMPLES = """examples:
   grasp_benchmark.py --ycb ycb/models --trials 5                # the YCB set as downloaded
   grasp_benchmark.py --trials 100 --workers 2 --store out/run.sqlite   # killed? the same line goes on
   grasp_benchmark.py --protocol six_forces                      # or a TOML file of your own
+  grasp_benchmark.py --objects mug --search 2000                # a longer search for the grasp; 0: scripted
+  grasp_benchmark.py --objects mug --grasps mine.toml           # your own grasps
   grasp_benchmark.py --trials 10 --check-steps 300 --workers 2  # do verdicts depend on the time step?
   grasp_benchmark.py --trials 100 --engine ray --ray-address auto --workers 64 --store out/run.sqlite
   grasp_benchmark.py --trials 10 --report out/grasps.html --sweeps out/mass/sweep.json
@@ -52,7 +56,10 @@ An object that cannot be loaded is set aside, the rest of the run goes on; the e
 def parser() -> _cli.Parser:
     """Return the command line's definition."""
     p = _cli.Parser(description=__doc__, examples=EXAMPLES)
-    p.add_argument("--objects", help="names from the catalogue, comma-separated, or 'all' (default without meshes)")
+    p.add_argument(
+        "--objects",
+        help="catalogue names, comma-separated, 'all' (default without meshes), or a half: 'development', 'report'",
+    )
     p.add_argument(
         "--mesh", type=Path, nargs="+", default=[], help="meshes of your own (OBJ, STL, PLY, GLB), in metres"
     )
@@ -69,6 +76,7 @@ def parser() -> _cli.Parser:
         metavar="NAME",
         help=f"{', '.join(protocol_names())}, or a TOML file (default {DEFAULT})",
     )
+    add_grasps(p)
     p.add_argument("--trials", type=_cli.positive_int, default=20, help="trials per object (default 20)")
     p.add_argument("--workers", type=_cli.positive_int, default=1, help="processes side by side (default 1)")
     text = "who runs the trials: processes of this machine, or a Ray cluster, an extra (default local)"
@@ -111,8 +119,12 @@ def _job(argv: Sequence[str] | None) -> int:
     _ray_address(args)
     if args.check_steps and args.timestep < 0.4:
         raise ValueError(f"--check-steps: a quarter of --timestep {args.timestep:g} ms is below 0.1 ms")
+    check_search(args.search)
     args.protocol = load_protocol(args.protocol)
     batch = load_all(_loaders(args))
+    grasps = choose_grasps(
+        batch.models, own=args.grasps, search=args.search, calibration=args.calibration, protocol=args.protocol
+    )
     plan = BenchmarkPlan(
         engine=EngineSettings(timestep_s=1e-3 * args.timestep),
         objects=batch.models,
@@ -120,6 +132,7 @@ def _job(argv: Sequence[str] | None) -> int:
         seed=args.seed,
         calibration=args.calibration,
         protocol=args.protocol,
+        grasps={name: grasp.kept.plan for name, grasp in grasps.items()},
     )
     total = len(plan.objects) * plan.trials
     with nullcontext() if args.store is None else TrialStore(args.store, plan) as store:
@@ -127,18 +140,11 @@ def _job(argv: Sequence[str] | None) -> int:
         results = in_order(plan, list(tqdm(running, total=total, desc="trials", unit="trial")))
     check = None if args.check_steps is None else _step_check(plan, results, args)
     summary = summarise(results)
-    print(table(summary))
-    if flags := beyond_calibration(results):
-        print(flags)
-    print(conditions(plan.protocol))
-    if check is not None:
-        print(check.text())
-    for name, reason in batch.failures.items():
-        # a mesh file's reason begins with its path already
-        print(f"not tried: {reason if reason.startswith(name) else f'{name}: {reason}'}", file=sys.stderr)
+    _tell(plan, results, batch, summary, grasps, check)
     if args.json is not None:
         notes = {model.name: list(model.notes) for model in plan.objects if model.notes}
         data: dict[str, Any] = {"settings": _settings(args), "not_tried": dict(batch.failures), "notes": notes}
+        data["grasps"] = {name: grasp.data() for name, grasp in grasps.items()}
         data["step_check"] = None if check is None else check.data()
         _cli.write_json(args.json, {**data, "objects": summary, "trials": trial_rows(results)})
     if args.report is not None:
@@ -151,6 +157,28 @@ def _job(argv: Sequence[str] | None) -> int:
         except RenderUnavailableError as error:
             print(f"no pictures: {error}", file=sys.stderr)
     return _cli.INCOMPLETE if batch.failures else 0
+
+
+def _tell(
+    plan: BenchmarkPlan,
+    results: Sequence[TrialResult],
+    batch: Batch,
+    summary: dict[str, dict[str, Any]],
+    grasps: dict[str, ChosenGrasp],
+    check: StepCheck | None,
+) -> None:
+    """Print the table and what belongs below it."""
+    below = (
+        beyond_calibration(results),
+        conditions(plan.protocol),
+        cost(grasps),
+        held_in_halves(results, load_catalogue()),
+        "" if check is None else check.text(),
+    )
+    print("\n".join([table(summary), *(line for line in below if line)]))
+    for name, reason in batch.failures.items():
+        # a mesh file's reason begins with its path already
+        print(f"not tried: {reason if reason.startswith(name) else f'{name}: {reason}'}", file=sys.stderr)
 
 
 def _ray_address(args: argparse.Namespace) -> str | None:
@@ -185,13 +213,20 @@ def _loaders(args: argparse.Namespace) -> dict[str, Callable[[], ObjectModel]]:
         for name in ycb_names(args.ycb):
             loaders[name] = partial(load_ycb_object, args.ycb, name, mass_kg=mass, friction=args.friction)
     if args.objects is not None or not (args.mesh or args.ycb):
-        known = list(load_catalogue())
-        asked = known if args.objects in (None, "all") else [name.strip() for name in args.objects.split(",")]
-        for name in asked:
-            if name not in known:
-                raise ValueError(f"--objects: {name!r} is not in the catalogue {known}")
+        for name in _catalogue_names(args.objects):
             loaders[name] = partial(_from_catalogue, name, args)
     return loaders
+
+
+def _catalogue_names(objects: str | None) -> list[str]:
+    known = list(load_catalogue())
+    if objects is not None and objects in (DEVELOPMENT, REPORT):
+        return half(known, objects)
+    asked = known if objects is None or objects == "all" else [name.strip() for name in objects.split(",")]
+    for name in asked:
+        if name not in known:
+            raise ValueError(f"--objects: {name!r} is not in the catalogue {known}")
+    return asked
 
 
 def _mesh(path: Path, args: argparse.Namespace) -> ObjectModel:

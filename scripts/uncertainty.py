@@ -29,7 +29,7 @@ from softhand_sim.objects.model import ObjectModel
 from softhand_sim.uncertainty import (
     Band,
     Ensemble,
-    GraspPlan,
+    UncertaintyPlan,
     combined_band,
     grasp_rows,
     load_ensemble,
@@ -165,7 +165,7 @@ def _bands(args: Any, analyses: _solving.Analyses) -> int:  # noqa: ARG001 - the
 
 def _grasps(args: Any, analyses: _solving.Analyses) -> int:  # noqa: ARG001 - the commands' common signature
     ensemble = load_ensemble(args.ensemble, args.calibration)
-    plan = GraspPlan(
+    plan = UncertaintyPlan(
         objects=_objects(args.objects),
         trials=args.trials,
         seed=args.seed,

@@ -1,11 +1,13 @@
 """What a benchmark runs, and its division into shards."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from softhand_sim.calibration import load_calibration
 from softhand_sim.effects import BENCH, Effects
+from softhand_sim.grasp.choice.shipped import default_grasp
+from softhand_sim.grasp.plan import GraspPlan
 from softhand_sim.grasp.protocol import GraspProtocol
 from softhand_sim.grasp.protocol_file import load_protocol
 from softhand_sim.grasp.result import TrialResult
@@ -36,6 +38,7 @@ class BenchmarkPlan:
     calibration: finger calibration file; None for the shipped one.
     control: calibration file that set pressures are looked up in; None for that of the fingers.
     protocol, engine, effects: what a trial does, the engine's settings, and the effects of the scene.
+    grasps: by the name of the object; the others get their `default_grasp`.
     """
 
     objects: tuple[ObjectModel, ...]
@@ -46,6 +49,7 @@ class BenchmarkPlan:
     protocol: GraspProtocol = field(default_factory=load_protocol)
     engine: EngineSettings = field(default_factory=EngineSettings)
     effects: Effects = BENCH
+    grasps: Mapping[str, GraspPlan] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         names = [model.name for model in self.objects]
@@ -53,6 +57,10 @@ class BenchmarkPlan:
             raise ValueError(f"objects: {names} must be one or more different names")
         if self.trials < 1 or self.seed < 0:
             raise ValueError(f"trials: {self.trials} must be 1 or above, seed: {self.seed} 0 or above")
+
+    def grasp(self, model: ObjectModel) -> GraspPlan:
+        """Return the grasp of one of the objects."""
+        return self.grasps.get(model.name) or default_grasp(model)
 
     @property
     def trial_keys(self) -> tuple[tuple[str, int], ...]:
@@ -88,6 +96,7 @@ def prepare_for(plan: BenchmarkPlan, model: ObjectModel) -> TrialSetup:
         engine=plan.engine,
         effects=plan.effects,
         control=control,
+        plan=plan.grasp(model),
     )
 
 

@@ -18,6 +18,7 @@ import numpy as np
 
 from assets import asset_path
 from softhand_sim.benchmark.plan import BenchmarkPlan
+from softhand_sim.grasp.plan import GraspPlan
 from softhand_sim.grasp.result import TrialResult
 from softhand_sim.grasp.verdict import Outcome
 from softhand_sim.objects.model import ObjectModel
@@ -36,7 +37,7 @@ class TrialStore:
     """The trials of one set of conditions; a context manager.
 
     More objects and more trials may be added to a store; other conditions (protocol, engine, calibration, versions of
-    engine and numerics) or another object of the same name are refused.
+    engine and numerics) or another object or grasp of the same name are refused.
 
     Raises
     ------
@@ -71,11 +72,11 @@ class TrialStore:
             differing = sorted(key for key in after if before.get(key) != after[key])
             raise ValueError(f"holds trials under other conditions ({', '.join(differing)}); take another file")
         for model in plan.objects:
-            mark = digest(model)
+            mark = digest(model, plan.grasp(model))
             self._base.execute("INSERT OR IGNORE INTO objects VALUES (?, ?)", (model.name, mark))
             (known,) = self._base.execute("SELECT digest FROM objects WHERE name = ?", (model.name,)).fetchone()
             if known != mark:
-                raise ValueError(f"holds trials of another object called {model.name!r}; take another file")
+                raise ValueError(f"holds trials of another object or grasp called {model.name!r}; take another file")
 
     def add(self, result: TrialResult) -> None:
         """Write one finished trial, in one transaction.
@@ -149,9 +150,9 @@ def conditions(plan: BenchmarkPlan) -> dict[str, Any]:
     }
 
 
-def digest(model: ObjectModel) -> str:
-    """Return the SHA-256 of everything about an object that a trial depends on."""
-    sha = hashlib.sha256(repr((model.name, model.mass_kg, model.friction, model.primitive)).encode())
+def digest(model: ObjectModel, grasp: GraspPlan) -> str:
+    """Return the SHA-256 of everything about an object and its grasp that a trial depends on."""
+    sha = hashlib.sha256(repr((model.name, model.mass_kg, model.friction, model.primitive, grasp)).encode())
     arrays = [model.inertia_kg_m2, np.asarray(model.mesh.vertices), np.asarray(model.mesh.faces)]
     for part in model.convex_parts:
         arrays += [np.asarray(part.vertices), np.asarray(part.faces)]

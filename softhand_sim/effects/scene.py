@@ -10,9 +10,9 @@ from softhand_sim.calibration import FingerCalibration
 from softhand_sim.checks import require_finite
 from softhand_sim.effects.effects import Effects
 from softhand_sim.effects.rehearsal import Rehearsal, rehearse
+from softhand_sim.grasp.choice.shipped import default_grasp
 from softhand_sim.grasp.protocol import GraspProtocol
 from softhand_sim.grasp.protocol_file import load_protocol
-from softhand_sim.grasp.scripted import plan_grasp
 from softhand_sim.hand.scene import build_root, compile_scene
 from softhand_sim.objects.model import ObjectModel
 from softhand_sim.relaxation import MaxwellBranch
@@ -45,7 +45,7 @@ class Tolerance:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SceneFacts:
-    """One grasp of one object with the scripted plan, and the effects that it could have.
+    """One grasp of one object with its default grasp, and the effects that it could have.
 
     Attributes
     ----------
@@ -80,8 +80,8 @@ class SceneFacts:
         offered: Effects,
         protocol: GraspProtocol | None = None,
     ) -> "SceneFacts":
-        """Return the facts of an object's scripted grasp."""
-        times, angles = protocol or load_protocol(), plan_grasp(model).set_angle_deg
+        """Return the facts of an object's default grasp."""
+        times, angles = protocol or load_protocol(), default_grasp(model).set_angle_deg
         travel_s = times.lift_m / 0.1  # the wrist's speed (paper)
         return cls(
             calibration=calibration,

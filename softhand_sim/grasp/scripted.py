@@ -7,6 +7,7 @@ from enum import StrEnum
 import numpy as np
 import numpy.typing as npt
 
+from softhand_sim.grasp.plan import GraspPlan
 from softhand_sim.objects.model import ObjectModel
 
 Vector = npt.NDArray[np.float64]
@@ -17,8 +18,6 @@ ROUND_FILL = 0.65
 LONG_ASPECT = 2.0
 # choice: outlines less long than this have no direction to turn to
 ROUND_ASPECT = 1.1
-# the paper's one stated angle, reached at 75 kPa; the relief of the real finger caps the force at 80 kPa
-FIRM_ANGLE_DEG = 95.0
 
 
 class ShapeKind(StrEnum):
@@ -45,28 +44,6 @@ class Outline:
     yaw_rad: float
     near_m: float
     height_m: float
-
-
-@dataclass(frozen=True, kw_only=True)
-class GraspPlan:
-    """A grasp pose for an object whose mass centre stands above the world's origin.
-
-    Attributes
-    ----------
-    wrist_pose: x, y, z (m), yaw, pitch, roll (rad), shape (6,).
-    retreat: unit vector, shape (3,), along which the hand backs off from the pose, and comes in.
-    set_angle_deg: bending angle asked of thumb, index, middle-ring-little; a finger that is calibrated for less gets
-        its highest pressure.
-    """
-
-    kind: ShapeKind
-    wrist_pose: tuple[float, ...]
-    retreat: tuple[float, ...]
-    set_angle_deg: tuple[float, float, float] = (FIRM_ANGLE_DEG, FIRM_ANGLE_DEG, FIRM_ANGLE_DEG)
-
-    def standoff(self, distance_m: float) -> Vector:
-        """Return the wrist's pose `distance_m` before the grasp, shape (6,)."""
-        return np.array(self.wrist_pose) + distance_m * np.array([*self.retreat, 0.0, 0.0, 0.0])
 
 
 def outline(model: ObjectModel) -> Outline:
@@ -108,7 +85,7 @@ def _from_above(seen: Outline, *, x_m: float, palm_height_m: float) -> GraspPlan
     """Palm down; `x_m` shifts the palm along its own x axis, `palm_height_m` is that of its surface."""
     turn = seen.yaw_rad
     pose = (x_m * math.cos(turn), x_m * math.sin(turn), palm_height_m, turn, 0.0, 0.0)
-    return GraspPlan(kind=seen.kind, wrist_pose=pose, retreat=(0.0, 0.0, 1.0))
+    return GraspPlan(wrist_pose=pose, retreat=(0.0, 0.0, 1.0))
 
 
 def _from_the_side(seen: Outline) -> GraspPlan:
@@ -125,7 +102,7 @@ def _from_the_side(seen: Outline) -> GraspPlan:
         x_m * math.sin(turn) + y_m * math.cos(turn),
         height_m, turn, 0.0, -math.pi / 2,
     )  # fmt: skip
-    return GraspPlan(kind=seen.kind, wrist_pose=pose, retreat=(-math.sin(turn), math.cos(turn), 0.0))
+    return GraspPlan(wrist_pose=pose, retreat=(-math.sin(turn), math.cos(turn), 0.0))
 
 
 # choice: middle of the opening between thumb and fingers at 40 mm from the palm

@@ -12,12 +12,13 @@ from softhand_sim.effects import BENCH, Effects
 from softhand_sim.effects.auto import Answer, choose
 from softhand_sim.effects.build import apply_to_contacts, apply_to_model, build_losses, build_pneumatics
 from softhand_sim.effects.scene import SceneFacts, Tolerance
+from softhand_sim.grasp.choice.shipped import default_grasp
 from softhand_sim.grasp.place import place_object
+from softhand_sim.grasp.plan import GraspPlan
 from softhand_sim.grasp.protocol import GraspProtocol
 from softhand_sim.grasp.protocol_file import load_protocol
 from softhand_sim.grasp.record import Recorder
 from softhand_sim.grasp.result import TrialResult, result_of
-from softhand_sim.grasp.scripted import GraspPlan, plan_grasp
 from softhand_sim.grasp.stage import SAMPLE_S, Stage
 from softhand_sim.hand.scene import EngineSettings, Scene, build_scene
 from softhand_sim.losses import Losses
@@ -53,9 +54,10 @@ def prepare(
     engine: EngineSettings | None = None,
     effects: Effects = BENCH,
     tolerance: Tolerance | None = None,
+    plan: GraspPlan | None = None,
     control: FingerCalibration | None = None,
 ) -> TrialSetup:
-    """Build the scene of an object and choose its grasp; by default for the paper's protocol.
+    """Build the scene of an object; by default for the paper's protocol and with the object's `default_grasp`.
 
     ``control`` is the calibration that the controller knows, where that is not the fingers' own. With a tolerance,
     effects that the scene does not call for are left out (`choose`), and `TrialSetup.answers` says why.
@@ -76,7 +78,7 @@ def prepare(
         model=model,
         calibration=calibration,
         scene=scene,
-        plan=plan_grasp(model),
+        plan=default_grasp(model) if plan is None else plan,
         pneumatics=build_pneumatics(effects, calibration),
         losses=build_losses(effects, calibration),
         protocol=protocol,

@@ -1,6 +1,7 @@
-"""CoACD in a process of its own: `python -m softhand_sim.objects.coacd_process mesh.npz parts.npz`."""
+"""CoACD in a process of its own: `python -m softhand_sim.objects.coacd_process mesh.npz parts.npz seconds`."""
 
 import sys
+from contextlib import suppress
 
 import numpy as np
 
@@ -21,8 +22,15 @@ COACD_RECIPE: dict[str, float | int | str | bool] = {
 }
 
 
-def main(given: str, found: str) -> None:
-    """Read vertices and faces from one npz file and write the corners of the convex parts to the other."""
+def main(given: str, found: str, longest_s: str) -> None:
+    """Read vertices and faces from one npz file and write the corners of the convex parts to the other.
+
+    On a POSIX system the process is ended by a signal after `longest_s` seconds of processor time, a whole number.
+    """
+    with suppress(ImportError):
+        import resource  # noqa: PLC0415 - POSIX only
+
+        resource.setrlimit(resource.RLIMIT_CPU, (int(longest_s), int(longest_s) + 5))
     # here, not above: whoever wants the recipe alone need not load the library
     import coacd  # noqa: PLC0415
 

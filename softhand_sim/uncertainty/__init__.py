@@ -4,18 +4,18 @@ from softhand_sim.uncertainty.bands import Band, combined_band, scenario_band, t
 from softhand_sim.uncertainty.blend import blended, drawn_coordinates
 from softhand_sim.uncertainty.ensemble import Ensemble, Member, Source, load_ensemble
 from softhand_sim.uncertainty.figures import FingerFigures, measure
-from softhand_sim.uncertainty.grasps import GraspPlan, GraspRow, grasp_rows
+from softhand_sim.uncertainty.grasps import GraspRow, UncertaintyPlan, grasp_rows
 from softhand_sim.uncertainty.success import SuccessBand, success_band, success_interval
 
 __all__ = [
     "Band",
     "Ensemble",
     "FingerFigures",
-    "GraspPlan",
     "GraspRow",
     "Member",
     "Source",
     "SuccessBand",
+    "UncertaintyPlan",
     "blended",
     "combined_band",
     "drawn_coordinates",

@@ -12,10 +12,10 @@ import numpy as np
 from softhand_sim.benchmark.plan import BenchmarkPlan
 from softhand_sim.benchmark.runner import in_order, run_benchmark
 from softhand_sim.calibration import load_calibration
+from softhand_sim.grasp.plan import FIRM_ANGLE_DEG
 from softhand_sim.grasp.protocol import GraspProtocol
 from softhand_sim.grasp.protocol_file import load_protocol
 from softhand_sim.grasp.result import TrialResult
-from softhand_sim.grasp.scripted import FIRM_ANGLE_DEG
 from softhand_sim.grasp.verdict import Outcome
 from softhand_sim.objects.model import ObjectModel
 from softhand_sim.uncertainty.blend import blended, drawn_coordinates
@@ -25,7 +25,7 @@ NOMINAL, DRAWN, SCENARIO = "nominal", "drawn", "scenario"
 
 
 @dataclass(frozen=True, kw_only=True)
-class GraspPlan:
+class UncertaintyPlan:
     """What to run.
 
     Attributes
@@ -79,12 +79,12 @@ class _Finger:
     refused: str = ""
 
 
-def finger_count(ensemble: Ensemble, plan: GraspPlan) -> int:
+def finger_count(ensemble: Ensemble, plan: UncertaintyPlan) -> int:
     """Return how many different fingers have trials at most."""
     return len({_physics(finger.content) for finger in _fingers(ensemble, plan) if finger.content is not None})
 
 
-def grasp_rows(ensemble: Ensemble, plan: GraspPlan, folder: Path, *, workers: int = 1) -> Iterator[GraspRow]:
+def grasp_rows(ensemble: Ensemble, plan: UncertaintyPlan, folder: Path, *, workers: int = 1) -> Iterator[GraspRow]:
     """Yield the fingers with their trials: the nominal one, those drawn, the scenarios.
 
     Their calibration files are written to ``folder``. Results do not depend on ``workers``. Fingers that are the same
@@ -123,7 +123,7 @@ def held(row: GraspRow, name: str) -> int:
     return sum(trial.object == name and trial.outcome is Outcome.HELD for trial in row.trials)
 
 
-def _fingers(ensemble: Ensemble, plan: GraspPlan) -> Iterator[_Finger]:
+def _fingers(ensemble: Ensemble, plan: UncertaintyPlan) -> Iterator[_Finger]:
     yield _Finger(name=NOMINAL, kind=NOMINAL, source="", coordinates={}, content=ensemble.nominal.content)
     drawn = drawn_coordinates(ensemble, plan.fingers, np.random.default_rng(plan.seed), spread=plan.spread)
     for number, at in enumerate(drawn):
@@ -144,7 +144,7 @@ def _fingers(ensemble: Ensemble, plan: GraspPlan) -> Iterator[_Finger]:
             )
 
 
-def _trials(plan: GraspPlan, file: Path, control: Path | None, workers: int) -> tuple[TrialResult, ...]:
+def _trials(plan: UncertaintyPlan, file: Path, control: Path | None, workers: int) -> tuple[TrialResult, ...]:
     benchmark = BenchmarkPlan(
         objects=plan.objects,
         trials=plan.trials,

@@ -21,6 +21,7 @@ from softhand_sim.benchmark.runner import in_order, run_benchmark
 from softhand_sim.benchmark.store import TrialStore
 from softhand_sim.grasp.phases.hold import Hold
 from softhand_sim.grasp.phases.lift import Lift
+from softhand_sim.grasp.plan import GraspPlan
 from softhand_sim.grasp.protocol_file import load_protocol
 from softhand_sim.grasp.stage import Stage
 from softhand_sim.grasp.verdict import Outcome
@@ -88,8 +89,11 @@ def test_other_conditions_other_objects_and_a_second_writer_are_refused(tmp_path
     with pytest.raises(ValueError, match=r"other conditions \(protocol\)"):
         TrialStore(path, plan(protocol=load_protocol()))
     heavy = make_object("golf_ball").with_overrides(mass_kg=0.1)
-    with pytest.raises(ValueError, match="another object called 'golf_ball'"):
+    with pytest.raises(ValueError, match="another object or grasp called 'golf_ball'"):
         TrialStore(path, plan(objects=(heavy,)))
+    elsewhere = GraspPlan(wrist_pose=(0.0, 0.0, 0.2, 0.0, 0.0, 0.0), retreat=(0.0, 0.0, 1.0))
+    with pytest.raises(ValueError, match="another object or grasp called 'golf_ball'"):
+        TrialStore(path, plan(grasps={"golf_ball": elsewhere}))
     (tmp_path / "letter.sqlite").write_text("Dear sir or madam, " * 100, encoding="utf-8")
     with pytest.raises(ValueError, match=r"letter\.sqlite"):
         TrialStore(tmp_path / "letter.sqlite", plan())

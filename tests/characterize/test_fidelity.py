@@ -15,6 +15,7 @@ from softhand_sim.characterize.pressure_sweep import PRESSURES_PA_GAUGE, pressur
 from softhand_sim.elements import FINGERS
 
 CALIBRATIONS = sorted(p for p in asset_path("calibration").glob("*.json") if "evidence" not in p.name)
+MEMBERS = sorted(p for p in asset_path("calibration", "ensemble").rglob("*.json") if p.name != "ensemble.json")
 
 
 @pytest.fixture(scope="module", params=CALIBRATIONS, ids=lambda path: path.stem)
@@ -49,6 +50,17 @@ def test_every_shipped_calibration_has_its_angles_in_every_finger(shipped):
     assert (np.diff(rest.tip_angle_deg, axis=0) > 1.0).all()
     stated = pressure_angle(shipped, [75e3]).tip_angle_deg[0]
     assert stated == pytest.approx(np.full(len(FINGERS), 95.0), abs=1.5)
+
+
+@pytest.mark.parametrize("path", MEMBERS, ids=lambda path: f"{path.parent.name}/{path.stem}")
+def test_every_finger_of_the_ensemble_has_its_angles(path):
+    """Against its own finite elements, all fingers; 95 degrees are the nominal finger's alone."""
+    member = load_calibration(path)
+    reached = member.curve.pressure_pa_gauge[-1]
+    report = pressure_angle_report(member, pressures_pa_gauge=[0.5 * reached, reached], stated=False)
+    assert len(report.checks) == 4
+    assert not [str(check) for check in report.checks if not check.holds]
+    assert report.figures["tip_angle_spread_between_fingers_deg"] < 0.1
 
 
 def test_unseen_pressures_are_those_that_are_reported(reports, calibration):

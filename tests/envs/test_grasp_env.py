@@ -5,15 +5,21 @@ import pytest
 
 from envs.actions import ActionMode, ActionSpec, encode_pressures
 from softhand_sim.effects import BENCH
+from softhand_sim.grasp.choice.shipped import default_grasp
+from softhand_sim.objects.catalogue import make_object
+
+STILL = (0.0, 0.0, 0.0)
+# where the hand expects the object
+THERE = {"object_offset_m": (0.0, 0.0), "object_yaw_rad": 0.0}
 
 
 def run(env, script, **reset):
-    """Return the observations of a script of (finger entries, upward speed), and the return and successes."""
+    """Return the observations of a script of (finger entries, way of the wrist), and the return and successes."""
     env.reset(seed=0, **reset)
     seen, total, successes = [], 0.0, []
-    for fingers, up in script:
+    for fingers, way in script:
         action = np.zeros(env.action_space.shape)
-        action[:3], action[5] = fingers, up
+        action[:3], action[3:6] = fingers, way
         observation, reward, terminated, _, info = env.step(action)
         assert not terminated
         assert sum(value for name, value in info.items() if name.startswith("reward_")) == pytest.approx(reward)
@@ -23,20 +29,26 @@ def run(env, script, **reset):
     return np.array(seen), total, successes
 
 
-def test_the_scripted_grasp_solves_the_task(made):
-    """Down 50 mm, close, lift 150 mm, hold: success, and a better return than doing nothing."""
-    grasp = [(-1.0, -1.0)] * 13 + [(0.875, 0.0)] * 62 + [(0.875, 1.0)] * 38 + [(0.875, 0.0)] * 37
-    _, total, successes = run(made(), grasp)
+def apple_script(hold):
+    """In by 50 mm, close, lift by 150 mm, hold."""
+    way_in = tuple(-np.array(default_grasp(make_object("apple")).retreat))
+    return [(-1.0, way_in)] * 13 + [(0.875, STILL)] * 62 + [(0.875, (0, 0, 1))] * 38 + [(0.875, STILL)] * hold
+
+
+def test_the_default_grasp_solves_the_task(made):
+    """Success, and a better return than doing nothing."""
+    grasp = apple_script(hold=37)
+    _, total, successes = run(made(), grasp, options=THERE)
     assert successes[-1]
     assert not any(successes[:113])
-    _, idle, none = run(made(), [(-1.0, 0.0)] * len(grasp))
+    _, idle, none = run(made(), [(-1.0, STILL)] * len(grasp), options=THERE)
     assert not any(none)
     assert total > 2.0 * idle
 
 
 def test_fingers_alone_solve_it_when_the_wrist_goes_the_protocols_way(made):
     env = made(wrist=False)
-    env.reset(seed=0)
+    env.reset(seed=0, options=THERE)
     for k in range(160):
         info = env.step(np.full(3, -1.0 if k < 20 else 0.875))[4]
     assert info["is_success"]
@@ -44,15 +56,14 @@ def test_fingers_alone_solve_it_when_the_wrist_goes_the_protocols_way(made):
 
 def test_goal_mode_pays_at_the_goal_and_nowhere_else(made):
     env = made(observation_mode="goal")
-    # where the scripted grasp takes the apple
-    seen, _ = env.reset(seed=0, options={"goal_position_m": (0.0, 0.0, 0.18)})
+    # where the default grasp takes the apple
+    seen, _ = env.reset(seed=0, options={"goal_position_m": (0.0, 0.0, 0.18), **THERE})
     assert env.compute_reward(seen["achieved_goal"], seen["desired_goal"], {}) == -1.0
     batch = np.array([seen["desired_goal"] + (0.0, 0.0, d) for d in (0.0, 0.019, 0.021)])
     assert env.compute_reward(batch, np.tile(seen["desired_goal"], (3, 1)), {}).tolist() == [0.0, 0.0, -1.0]
-    grasp = [(-1.0, -1.0)] * 13 + [(0.875, 0.0)] * 62 + [(0.875, 1.0)] * 38 + [(0.875, 0.0)] * 10
-    for fingers, up in grasp:
+    for fingers, way in apple_script(hold=10):
         action = np.zeros(9)
-        action[:3], action[5] = fingers, up
+        action[:3], action[3:6] = fingers, way
         seen, reward, *_, info = env.step(action)
         assert info["is_success"] == (reward == 0.0)
     offset = env.episode.here.simulation.data.body("object").xpos - (0.0, 0.0, 0.18)

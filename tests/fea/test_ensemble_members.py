@@ -125,6 +125,15 @@ def test_a_member_is_carried_over_as_a_ratio():
     for joint, nominal in zip(made["joints"], SHIPPED["joints"], strict=True):
         ratio = torque(joint, q) / torque(nominal, q)
         np.testing.assert_allclose(ratio, 1.2, rtol=2e-3)
+    # the states too: each angle by the member's share of the coarse finger's
+    bent = json.loads(json.dumps(thick))
+    states = bent["fea"]["finger"]
+    states["joint_angle_rad"] = (0.9 * np.array(states["joint_angle_rad"])).tolist()
+    moved = transferred(bent, coarse, SHIPPED)["fea"]["finger"]
+    own = SHIPPED["fea"]["finger"]
+    np.testing.assert_allclose(moved["joint_angle_rad"], 0.9 * np.array(own["joint_angle_rad"]), rtol=1e-12)
+    np.testing.assert_allclose(moved["tip_angle_rad"], np.sum(moved["joint_angle_rad"], axis=1), rtol=1e-12)
+    np.testing.assert_allclose(moved["chamber_volume_m3"], own["chamber_volume_m3"], rtol=1e-12)
     # stiffer joints bend less, by less than the joints' share: the actuator's tension stays
     angle = np.array(made["curve"]["tip_angle_deg"][1:]) / np.array(SHIPPED["curve"]["tip_angle_deg"][1:])
     assert ((angle < 0.97) & (angle > 1.0 / 1.2)).all()
@@ -140,6 +149,10 @@ def test_only_one_mesh_and_one_finger_are_carried_over():
         transferred(on_mesh("coarse"), on_mesh("fine"), SHIPPED)
     other = on_mesh("coarse")
     other["geometry"]["tube_wall_m"] = 2.5e-3
+    elsewhere = on_mesh("coarse")
+    elsewhere["fea"]["finger"]["pressure_pa_gauge"][3] = 14e3
+    with pytest.raises(ValueError, match="was not at 14000 Pa loading"):
+        transferred(elsewhere, on_mesh("coarse"), SHIPPED)
     with pytest.raises(ValueError, match="geometry: reference and nominal must be of one finger"):
         transferred(on_mesh("coarse"), other, SHIPPED)
 

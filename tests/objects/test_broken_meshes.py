@@ -166,9 +166,13 @@ def test_a_decomposition_that_hangs_or_dies_costs_its_process_only(tmp_path, mon
     bar = trimesh.creation.box((0.09, 0.01, 0.01))
     cross = together(bar, trimesh.creation.box((0.01, 0.09, 0.01)))
     path = saved(cross, tmp_path / "cross.ply")
-    monkeypatch.setattr("softhand_sim.objects.decompose.LONGEST_S", 0.01)
-    refused(path, r"took longer than 0\.01 s")
-    monkeypatch.setattr("softhand_sim.objects.decompose.LONGEST_S", 600.0)
+    ring = saved(trimesh.creation.torus(0.04, 0.01), tmp_path / "ring.ply")
+    with monkeypatch.context() as change:
+        change.setattr("softhand_sim.objects.decompose.LONGEST_S", 1)
+        refused(ring, r"took over 1 s of processor time")
+    with monkeypatch.context() as change:
+        change.setattr("softhand_sim.objects.decompose.LONGEST_WAIT_S", 0.01)
+        refused(path, r"took longer than 0\.01 s")
     monkeypatch.setattr("softhand_sim.objects.decompose.sys.executable", "/bin/false")
     refused(path, "failed \\(status 1: no reason given\\)")
 

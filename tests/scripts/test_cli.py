@@ -7,7 +7,7 @@ import pytest
 import trimesh
 from PIL import Image
 
-from scripts import calibrate, characterize, grasp_benchmark, object_catalogue
+from scripts import calibrate, characterize, choose_grasps, grasp_benchmark, object_catalogue
 
 
 def refused(capsys, main, argv):
@@ -61,6 +61,11 @@ def test_bad_meshes_and_masses(file, more, told, meshes, capsys):
         (grasp_benchmark.main, ["--protocol", "/nowhere/mine.toml"], "mine.toml"),
         (grasp_benchmark.main, ["--protocol", "six_forces_weightless", "--mass", "0.2"], "--mass"),
         (grasp_benchmark.main, ["--ycb", "/nowhere/ycb"], "/nowhere/ycb"),
+        (grasp_benchmark.main, ["--search", "10"], "--search: 10 must be 0, or 64 or above"),
+        (grasp_benchmark.main, ["--objects", "apple", "--grasps", "/nowhere/g.toml"], "g.toml"),
+        (choose_grasps.main, ["--objects", "unicorn"], "unicorn"),
+        (choose_grasps.main, ["--search", "1"], "--search"),
+        (choose_grasps.main, ["--calibration", "/nowhere/finger.json"], "finger.json"),
         (characterize.main, ["pressure-angle", "--pressures", "10,900"], "900000"),
         (characterize.main, ["pressure-angle", "--pressures", "ten"], "--pressures"),
         (characterize.main, ["dance"], "dance"),

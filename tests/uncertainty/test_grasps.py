@@ -10,8 +10,9 @@ from softhand_sim.calibration.integrity import content_sha256
 from softhand_sim.grasp.phases.hold import Hold
 from softhand_sim.grasp.phases.lift import Lift
 from softhand_sim.grasp.protocol_file import load_protocol
+from softhand_sim.grasp.trial import prepare, run_trial
 from softhand_sim.objects.catalogue import make_object
-from softhand_sim.uncertainty import GraspPlan, grasp_rows, load_ensemble
+from softhand_sim.uncertainty import UncertaintyPlan, grasp_rows, load_ensemble
 
 QUICK = dataclasses.replace(
     load_protocol(), close_s=0.2, settle_s=0.05, phases=(Lift(height_m=0.03), Hold(duration_s=0.1))
@@ -57,7 +58,7 @@ def ensemble(tmp_path):
 
 def plan(**changed):
     values = {"objects": (make_object("golf_ball"),), "trials": 1, "fingers": 2, "protocol": QUICK}
-    return GraspPlan(**{**values, **changed})
+    return UncertaintyPlan(**{**values, **changed})
 
 
 def trials(rows):
@@ -102,6 +103,20 @@ def test_a_controller_that_knows_the_finger_sets_its_own_pressure(ensemble, tmp_
 
 
 SHIPPED_AT_60_DEG = SHIPPED["curve"]["tip_angle_deg"][SHIPPED["curve"]["pressure_pa_gauge"].index(60e3)]
+
+
+def test_the_controller_holds_what_its_own_calibration_says(ensemble):
+    nominal, stiff = ensemble.nominal.calibration, ensemble.sources[1].members[0].calibration
+
+    def highest_set_pa(control):
+        seen = []
+        setup = prepare(make_object("golf_ball"), stiff, protocol=QUICK, control=control)
+        run_trial(setup, 0, lambda simulation: seen.append(float(simulation.set_pressure_pa_gauge.max())))
+        return max(seen)
+
+    assert highest_set_pa(nominal) == pytest.approx(nominal.pressure_for_angle(95.0))
+    # the stiff finger bends to less than 95 degrees: its own calibration asks for its highest pressure
+    assert highest_set_pa(None) == pytest.approx(80e3)
 
 
 def test_bad_plans_are_named(ensemble, tmp_path):
