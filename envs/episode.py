@@ -1,8 +1,8 @@
 """One world's episodes without Gymnasium around them: commanded, advanced by whoever steps the engine, observed."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import mujoco
 import numpy as np
@@ -24,6 +24,15 @@ Info = dict[str, Any]
 
 _WRIST_RANGE = np.array([*SLIDE_RANGE_M, *[HINGE_RANGE_RAD] * 3])
 _CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])
+
+
+class GasSeen(NamedTuple):
+    """Readings [Pa], (3,), valves, (6,), set and true pressures [Pa], (3,), at present."""
+
+    reading_pa_gauge: Vector
+    valves_open: Vector
+    set_pressure_pa_gauge: Vector
+    pressure_pa_gauge: Vector
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,7 +65,10 @@ class EpisodeSpec:
 
 
 class Episode:
-    """The episodes of one world at a time; `reset`, then `command`, step `simulation`, and `judge`, in turns."""
+    """The episodes of one world at a time; `reset`, then `command`, `advance`, `observe` and `judge`, in turns.
+
+    ``gas_of`` says where the gas is to be seen: in the simulation, unless a batch has it.
+    """
 
     def __init__(self, spec: EpisodeSpec, worlds: WorldCache, task: Task) -> None:
         self.spec = spec
@@ -65,6 +77,8 @@ class Episode:
         self.draw = Draw()
         self.world: World | None = None
         self.diverged = False
+        self.gas_of: Callable[[], GasSeen] = self._gas_of_simulation
+        self._beyond = False
         self._privileged = "joint_angle_rad" in spec.layout.where
         self._mass_and_friction = (0.0, 0.0)
         self._warnings: dict[str, int] = {}
@@ -147,12 +161,14 @@ class Episode:
                 raise
         self.look()
 
-    def look(self, *, lost: bool = False) -> None:
+    def look(self, *, lost: bool = False, beyond: bool | None = None) -> None:
         """See what the engine says after its steps; once, before `observe` and `judge`, which rely on it.
 
-        ``lost`` says that the coordinates ceased to be numbers on the way.
+        ``lost`` says that the coordinates ceased to be numbers on the way, ``beyond`` whether anything passed the
+        calibrated range; None: the simulation knows.
         """
         simulation = self.here.simulation
+        self._beyond = simulation.range_watch.passed() if beyond is None else beyond
         self._warnings = _warnings(simulation.data)
         self.diverged = lost or not bool(np.isfinite(simulation.data.qpos).all())
         if self._warnings:
@@ -160,8 +176,7 @@ class Episode:
 
     def judge(self, elapsed_s: float) -> tuple[float, bool, Info]:
         """Return reward, whether the episode has ended, and the info."""
-        world, warnings = self.here, self._warnings
-        beyond = world.simulation.range_watch.passed()
+        world, warnings, beyond = self.here, self._warnings, self._beyond
         if self.diverged:
             info: Info = {"is_success": False, "diverged": True}
             reward = -1.0 if self.spec.sparse else 0.0
@@ -184,12 +199,13 @@ class Episode:
         data = simulation.data
         # few calls with many numbers: each costs as much as fifty of the engine's additions
         positions = data.qpos[world.wrist_and_joint_qpos]
-        parts: list[npt.ArrayLike] = [1e-3 * simulation.reading_pa_gauge(), simulation.valves_open(), positions[:6]]
+        gas = self.gas_of()
+        parts: list[npt.ArrayLike] = [1e-3 * gas.reading_pa_gauge, gas.valves_open, positions[:6]]
         if self._privileged:
             velocities = data.qvel[world.joint_and_object_dof]
             parts += [
-                1e-3 * simulation.set_pressure_pa_gauge,
-                1e-3 * simulation.pressure_pa_gauge(),
+                1e-3 * gas.set_pressure_pa_gauge,
+                1e-3 * gas.pressure_pa_gauge,
                 positions[6:],
                 velocities[:15],
                 object_in_palm(data, simulation.index.palm_body, world.body),
@@ -199,6 +215,10 @@ class Episode:
         if self.task.target and not self.spec.sparse:
             parts.append(self.task.commanded())
         return layout.pack(parts)
+
+    def _gas_of_simulation(self) -> GasSeen:
+        s = self.here.simulation
+        return GasSeen(s.reading_pa_gauge(), s.valves_open(), s.set_pressure_pa_gauge, s.pressure_pa_gauge())
 
     def goals(self) -> tuple[Vector, Vector]:
         """Return the achieved and the desired goal, (g,) each; a lost simulation has achieved the lowest."""

@@ -1,12 +1,13 @@
 """Worlds of several episodes in one batch of the engine: what each episode commands goes in, what it sees comes out."""
 
 from collections.abc import Sequence
+from functools import partial
 
 import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from envs.episode import Episode
+from envs.episode import Episode, GasSeen
 from softhand_sim.batch import HandBatch
 from softhand_sim.effects.build import build_losses, build_pneumatics
 
@@ -16,8 +17,8 @@ _STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 class Lanes:
     """Episodes side by side, one lane each: reset in their own simulations, advanced together in a `HandBatch`.
 
-    An episode's simulation is brought up to date after every advance, so that the episode reads it as ever; its gas
-    lives in the batch meanwhile. Lanes differ in mass, friction and place of the object alone.
+    An episode's simulation is brought up to date after every advance, so that the episode reads it as ever, but for its
+    gas and losses, which live in the batch. Lanes differ in mass, friction and place of the object alone.
 
     Parameters
     ----------
@@ -31,6 +32,9 @@ class Lanes:
         self._episodes = tuple(episodes)
         self._threads = threads
         self._hands: HandBatch | None = None
+        self._seen: tuple[npt.NDArray[np.float64], ...] = ()
+        for lane, episode in enumerate(self._episodes):
+            episode.gas_of = partial(self._gas_of, lane)
         self._state: npt.NDArray[np.float64] = np.zeros(0)
 
     def enter(self, lanes: Sequence[int]) -> None:
@@ -49,9 +53,10 @@ class Lanes:
             simulation = self._episodes[lane].here.simulation
             hands.actuation.set_gas(lane, simulation.gas)
             hands.actuation.set_losses(lane, simulation.loss_state)
+        self._see()
 
-    def advance(self, steps: int) -> npt.NDArray[np.bool_]:
-        """Advance all lanes by steps of the engine; return which were lost on the way, (n,).
+    def advance(self, steps: int) -> None:
+        """Advance all lanes by steps of the engine, and let their episodes `look`.
 
         A lane whose coordinates are no numbers any more stands still until its next reset.
         """
@@ -72,13 +77,24 @@ class Lanes:
             simulation = episode.here.simulation
             hands.engine.get_data(lane, simulation.data)
             simulation.wrist_reference = hands.wrist_reference[lane].copy()
-            simulation.gas = hands.actuation.gas(lane)
-            simulation.range_watch = hands.range_watch(lane)
-        return lost
+        self._see()
+        for episode, gone, beyond in zip(
+            self._episodes, lost.tolist(), hands.passed_calibration().tolist(), strict=True
+        ):
+            episode.look(lost=gone, beyond=beyond)
 
     def state(self) -> npt.NDArray[np.float64]:
         """Return a copy of the engine's full state, one row a lane."""
         return np.array(self._batch().engine.state)
+
+    def _see(self) -> None:
+        """Read the gas of all lanes at once."""
+        hands = self._batch()
+        sets = hands.set_pressure_pa_gauge.copy()
+        self._seen = (hands.reading_pa_gauge(), hands.valves_open(), sets, hands.pressure_pa_gauge())
+
+    def _gas_of(self, lane: int) -> GasSeen:
+        return GasSeen(*(field[lane] for field in self._seen))
 
     def _park(self, lanes: npt.NDArray[np.int64]) -> None:
         hands = self._batch()

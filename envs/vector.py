@@ -143,13 +143,12 @@ class SoftHandVectorEnv(VectorEnv[Any, Any, Any]):
         for episode, action, ended in zip(self._episodes, iterate(self.action_space, actions), resetting, strict=True):
             if not ended:
                 episode.command(action)
-        lost = self._lanes.advance(self._episodes[0].substeps)
+        self._lanes.advance(self._episodes[0].substeps)
         rewards, terminated, truncated = np.zeros(n), np.zeros(n, dtype=bool), np.zeros(n, dtype=bool)
         infos: Info = {}
         for i, episode in enumerate(self._episodes):
             if resetting[i]:
                 continue
-            episode.look(lost=bool(lost[i]))
             rewards[i], terminated[i], info = episode.judge(episode.spec.control_period_s)
             self._steps[i] += 1
             truncated[i] = self._most is not None and self._steps[i] >= self._most

@@ -160,6 +160,9 @@ def _vector(args: Any) -> dict[str, float]:
         "vector": lambda few: _step_vector(vector, few),
         "single": lambda few: _step_single(single, few),
     }
+    for way in ways.values():
+        # the first step compiles
+        way(actions[:1])
     wall, processor = dict.fromkeys(ways, 0.0), dict.fromkeys(ways, 0.0)
     for turn in tqdm(range(args.turns), desc="vector", unit="turn", disable=None):
         # the engine's work depends on contacts: the batch goes from where the vector is

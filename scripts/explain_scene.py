@@ -7,7 +7,8 @@ from scripts import _cli
 from softhand_sim.calibration import load_calibration
 from softhand_sim.effects import PRESETS
 from softhand_sim.effects.auto import Answer, choose
-from softhand_sim.effects.scene import SceneFacts, Tolerance
+from softhand_sim.effects.scene import Tolerance
+from softhand_sim.grasp.trial import facts_of
 from softhand_sim.objects.catalogue import make_object
 
 EXAMPLES = """examples:
@@ -42,7 +43,7 @@ def _job(argv: Sequence[str] | None) -> int:
     calibration, models = load_calibration(), [make_object(name) for name in args.objects.split(",")]
     scenes = []
     for model in models:
-        _, answers = choose(SceneFacts.of(model, calibration, PRESETS[args.effects]), tolerance, force)
+        _, answers = choose(facts_of(model, calibration, PRESETS[args.effects]), tolerance, force)
         print(f"{model.name}: tolerance {args.angle:g} degrees, {args.slip:g} mm")
         print(f"  {'effect':<14}{'stays':<7}{'error deg':>10}{'error mm':>10}   reason")
         for a in answers:

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from softhand_sim.actuation import EngineArrays, HandParts, prepare_actuation, wrist_mover
 from softhand_sim.calibration import FingerCalibration
-from softhand_sim.calibration.limits import CalibratedRange, RangeWatch, RangeWatches
+from softhand_sim.calibration.limits import CalibratedRange, RangeWatches
 from softhand_sim.hand.anatomy import HandAnatomy
 from softhand_sim.hand.index import HandIndex
 from softhand_sim.losses import Losses
@@ -136,9 +136,13 @@ class HandBatch:
         warned = (self.engine.warning[:, [int(kind) for kind in INSTABILITY], 1] > 0).any(axis=1)
         return np.asarray(warned | ~np.isfinite(self._qpos).all(axis=1))
 
-    def range_watch(self, world: int) -> RangeWatch:
-        """Return what a world showed since its reset: a copy."""
-        return self._watch.of_world(world)
+    def valves_open(self) -> Vector:
+        """Which valves are open, inlet and outlet of each element, 1 or 0, shape (n, 6); zeros without pneumatics."""
+        return np.zeros((self.worlds, 6)) if self.pneumatics is None else self.actuation.valves_open()
+
+    def passed_calibration(self) -> npt.NDArray[np.bool_]:
+        """Whether anything of each world went beyond the calibrated range since its reset, shape (n,)."""
+        return self._watch.passed()
 
     def beyond_calibration(self, world: int) -> dict[str, float]:
         """Return what went beyond the calibrated range in a world since its reset (`RangeWatch.beyond`)."""

@@ -6,11 +6,17 @@ changes, the type does, and the kernel is compiled anew.
 """
 
 import hashlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TypeVar
 
 import numba
+
+try:
+    import fcntl
+except ImportError:  # a system without it: no lock
+    fcntl = None  # type: ignore[assignment]
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -30,6 +36,29 @@ def entry(function: Function) -> Function:
     except RuntimeError:
         kernel = numba.njit(**_OPTIONS)(function)
     return kernel
+
+
+def compile_for(kernel: Any, *arguments: Any) -> None:
+    """Compile an entry for the types of some arguments, or load its code from disk, before it is first called.
+
+    One process at a time: the index of numba's cache on disk has no lock, and two processes that add to it at once can
+    leave each other's code under the wrong types.
+    """
+    types = tuple(numba.typeof(argument) for argument in arguments)
+    if types not in kernel.overloads:
+        with _alone(kernel.stats.cache_path):
+            kernel.compile(types)
+
+
+@contextmanager
+def _alone(folder: str | None) -> Iterator[None]:
+    if folder is None or fcntl is None:
+        yield
+        return
+    Path(folder).mkdir(parents=True, exist_ok=True)
+    with (Path(folder) / "softhand_sim.lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
 
 
 def sources_field(*folders: Path) -> tuple[str, str]:

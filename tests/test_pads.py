@@ -120,7 +120,7 @@ def test_every_pair_of_phalanx_and_object_has_its_contact_and_the_object_s_frict
 
 
 def test_a_tight_tolerance_keeps_the_pads(calibration, pads):
-    scene = SceneFacts.of(make_object("apple"), calibration, Effects(pads=pads))
+    scene = SceneFacts.of(make_object("apple"), calibration, Effects(pads=pads), survives=lambda: True)
     for angle, stays in ((0.1, True), (60.0, False)):
         chosen, _ = choose(scene, Tolerance(angle_deg=angle, slip_m=1.0))
         assert (chosen.pads is not None) == stays

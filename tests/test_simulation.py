@@ -7,6 +7,7 @@ from softhand_sim.elements import FINGERS
 from softhand_sim.grasp.contacts import ContactMap
 from softhand_sim.grasp.record import Recorder
 from softhand_sim.hand.scene import EngineSettings, build_scene
+from softhand_sim.losses import Losses
 from softhand_sim.simulation import HandSimulation, default_pneumatics
 from softhand_sim.wrist import limited_step
 
@@ -137,3 +138,27 @@ def test_deepest_contact_of_the_object_is_found(calibration):
     recorder.sample(simulation)
     # the ball's centre lies in the table's plane: it is one radius deep
     assert recorder.deepest_m == pytest.approx(0.02, rel=1e-6)
+
+
+def test_steps_at_one_go_are_single_steps_to_the_bit(calibration):
+    """With and without something to do between the engine's steps; the wrist moves at first."""
+    scene = build_scene(calibration)
+    nothing = Losses(sliding=None, relaxation=None)
+    for pneumatics, losses in ((None, nothing), (default_pneumatics(calibration), None)):
+        ends = []
+        for at_once in (False, True):
+            simulation = HandSimulation(
+                model=scene.model, calibration=calibration, pneumatics=pneumatics, losses=losses
+            )
+            simulation.reset(np.random.default_rng(0), np.array([0.0, 0.0, 0.3, 0.0, 0.0, 0.0]))
+            simulation.wrist_target = np.array([0.01, 0.0, 0.3, 0.0, 0.0, 0.1])
+            simulation.set_pressure_pa_gauge = np.array([50e3, 60e3, 70e3])
+            for steps in (7, 200, 33, 10):
+                if at_once:
+                    simulation.advance(steps)
+                else:
+                    for _ in range(steps):
+                        simulation.step()
+            watched = simulation.range_watch
+            ends.append((simulation.data.time, simulation.data.qpos.tobytes(), watched._high.tobytes()))
+        assert ends[0] == ends[1]

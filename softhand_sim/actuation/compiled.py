@@ -10,6 +10,7 @@ from softhand_sim.actuation.kernel import TIME_TOLERANCE_S, advance_hands
 from softhand_sim.actuation.layout import GAS, GIVEN, SET, hand_record, world_dtype
 from softhand_sim.actuation.parts import EngineArrays, HandParts
 from softhand_sim.actuation.switching import command_onoff, read_sensors, switch_valves
+from softhand_sim.compiling import compile_for
 from softhand_sim.control.onoff import OnOffController
 from softhand_sim.control.protocol import ValveCommand, checked_answer
 from softhand_sim.losses import LossState
@@ -38,11 +39,25 @@ class CompiledActuation:
         self._worlds["source"] = SET if system is None else GAS
         self._worlds["waiting"] = math.inf
         self._noise = NumberedNoise()
+        self._compile()
         self._pressure: Vector = self._worlds["gas"][:, GAS_PRESSURE, :MANIFOLDS]
         self._reading: Vector = self._worlds["reading"]
         self._open: npt.NDArray[np.uint8] = self._worlds["open"]
         self.set_pa_gauge: Vector = self._worlds["set"]
         self.pressure_pa_gauge: Vector = self._worlds["pressure"]
+
+    def _compile(self) -> None:
+        due, noise = np.zeros(0, dtype=np.int64), np.zeros((0, 3))
+        compile_for(advance_hands, *self._arguments(0.0, begins=True))
+        compile_for(read_sensors, self._elements, self._hands, self._worlds, due, noise)
+        if self._hand.pneumatics is not None and type(self._hand.pneumatics.controller) is OnOffController:
+            compile_for(command_onoff, self._hands, self._worlds, due)
+        compile_for(switch_valves, self._hands, self._worlds, due)
+
+    def _arguments(self, dt: float, *, begins: bool) -> tuple[Any, ...]:
+        e = self._engine
+        state = (self._elements, self._hands, self._worlds, self._receiver)
+        return (*state, e.ten_length, e.qpos, e.ctrl, dt, begins)
 
     def reset(self, world: int, rng: np.random.Generator) -> None:
         """Empty the fingers of a world."""
@@ -54,12 +69,9 @@ class CompiledActuation:
 
     def step(self, dt: float) -> None:
         """Advance every world: one call of the kernel, and one more for each control tick."""
-        engine, begins = self._engine, True
+        begins = True
         while True:
-            waiting = advance_hands(
-                self._elements, self._hands, self._worlds, self._receiver,
-                engine.ten_length, engine.qpos, engine.ctrl, dt, begins,
-            )  # fmt: skip
+            waiting = advance_hands(*self._arguments(dt, begins=begins))
             if waiting == 0:
                 return
             if waiting < 0:

@@ -109,6 +109,16 @@ class RangeWatches:
         ):
             wider(extreme, now, out=extreme, where=due.reshape(-1, *[1] * (now.ndim - 1)))
 
+    def passed(self) -> npt.NDArray[np.bool_]:
+        """Return whether anything of each world went beyond the calibrated range, (n,): `RangeWatch.passed`."""
+        highest, joint_rad = self._limits.pressure_pa_gauge, self._limits.joint_angle_rad
+        return np.asarray(
+            (self._set.max(axis=1) > highest + SET_PRESSURE_MARGIN_PA)
+            | (self._pressure.max(axis=1) > highest + PRESSURE_MARGIN_PA)
+            | (self._low.min(axis=(1, 2)) < -ANGLE_MARGIN_RAD)
+            | (self._high > joint_rad + ANGLE_MARGIN_RAD).any(axis=(1, 2))
+        )
+
     def of_world(self, world: int) -> RangeWatch:
         """Return what one world showed."""
         shown = (self._set, self._pressure, self._high, self._low)

@@ -1,7 +1,8 @@
 """Effects chosen by the scene: each is asked what leaving it out would change, and stays if that is too much.
 
-The estimates bound the change of tip angles and slip as long as the verdict of the trial stays. A grasp that is about
-to fail is decided by any small change, the sensor's noise among them; no estimate made beforehand can bound that.
+A grasp that is about to fail is decided by any small change, the sensor's noise among them. So an effect's own estimate
+counts only where the grasp bears a disturbance (`SceneFacts.firm`), or where there is no object. Elsewhere leaving out
+anything may cost the object, and what bounds that is how far a free finger bends, and how high the object is lifted.
 """
 
 import math
@@ -13,7 +14,7 @@ from types import MappingProxyType
 from softhand_sim.effects import gravity, interference, pads, relaxation, relief, sliding
 from softhand_sim.effects.effects import NEED_GAS, Effects
 from softhand_sim.effects.kind import Estimate
-from softhand_sim.effects.questions import rehearsed
+from softhand_sim.effects.questions import gas, rehearsed
 from softhand_sim.effects.scene import SceneFacts, Tolerance
 
 
@@ -38,11 +39,6 @@ class Answer:
     omission_error_m: float
 
 
-def _gas(_scene: SceneFacts) -> Estimate:
-    reason = "an object is grasped, and fingers that close at once would throw it"
-    return Estimate(own_deg=math.inf, redraws=True, reason=reason)
-
-
 def _relief(scene: SceneFacts) -> Estimate:
     assert scene.offered.relief is not None
     return relief.question(scene, scene.offered.relief)
@@ -55,7 +51,7 @@ def _pads(scene: SceneFacts) -> Estimate:
 
 QUESTIONS: Mapping[str, Callable[[SceneFacts], Estimate]] = MappingProxyType(
     {
-        "gas": _gas,
+        "gas": gas,
         "tube": partial(rehearsed, name="tube", what="lag of the chambers behind the valves"),
         "heat": partial(rehearsed, name="heat", what="warming and cooling of the gas"),
         "supply": partial(rehearsed, name="supply", what="droop of the supply"),
@@ -104,29 +100,26 @@ def choose(
     if forced.get("gas") is False:
         forced = dict.fromkeys(NEED_GAS, False) | forced
     estimates = {name: QUESTIONS[name](scene) for name in scene.offered.present}
-    arm = scene.calibration.finger.length_m
+    bound = _Bound(scene, tolerance, estimates)
     gone = [name for name in estimates if forced.get(name) is False]
-    for name in sorted(estimates, key=lambda n: (estimates[n].redraws, estimates[n].own_deg)):
-        if name not in forced:
-            error = _together(scene, [estimates[n] for n in (*gone, name)])
-            if error <= tolerance.angle_deg and arm * math.radians(error) <= tolerance.slip_m:
-                gone.append(name)
+    # the gas takes its own effects along, so it is asked first
+    for name in sorted(estimates, key=lambda n: (n != "gas", estimates[n].redraws, estimates[n].own_deg)):
+        along = [n for n in estimates if n in NEED_GAS] if name == "gas" else []
+        free = name not in forced and not any(forced.get(n) for n in along)
+        if free and estimates[name].saves and bound.allows([*gone, *along, name]):
+            gone += [n for n in (*along, name) if n not in gone]
     answers = [
         Answer(name=name, active=False, reason=_absent(name), omission_error_deg=0.0, omission_error_m=0.0)
         for name in QUESTIONS
         if name not in estimates
     ]
     for name, estimate in estimates.items():
-        error = _together(scene, [estimate])
+        angle, slip = bound.of([name])
         reason = estimate.reason if name not in forced else f"forced; {estimate.reason}"
+        if scene.lift_m is not None and angle > 0.0 and not bound.firm:
+            reason += "; the grasp is not known to bear a disturbance, the object may be lost"
         answers.append(
-            Answer(
-                name=name,
-                active=name not in gone,
-                reason=reason,
-                omission_error_deg=error,
-                omission_error_m=arm * math.radians(error),
-            )
+            Answer(name=name, active=name not in gone, reason=reason, omission_error_deg=angle, omission_error_m=slip)
         )
     order = list(QUESTIONS)
     return replace(scene.offered, **dict.fromkeys(gone)), tuple(sorted(answers, key=lambda a: order.index(a.name)))
@@ -136,7 +129,31 @@ def _absent(name: str) -> str:
     return "no leak is declared" if name == "leaks" else "not offered"
 
 
-def _together(scene: SceneFacts, estimates: list[Estimate]) -> float:
-    """Return what leaving all of these out changes at most [deg]."""
-    band = scene.band_deg if any(estimate.redraws for estimate in estimates) else 0.0
-    return band + sum(estimate.own_deg for estimate in estimates)
+class _Bound:
+    """What leaving effects out together changes at most."""
+
+    def __init__(self, scene: SceneFacts, tolerance: Tolerance, estimates: Mapping[str, Estimate]) -> None:
+        self._scene, self._tolerance, self._estimates = scene, tolerance, estimates
+        self._arm_m = scene.calibration.finger.length_m
+        # a disturbed grasp takes trials: only where the answer matters
+        alone = [self._estimated_deg([name]) for name in estimates]
+        self.firm = any(0.0 < error <= tolerance.angle_deg for error in alone) and scene.firm
+
+    def allows(self, gone: list[str]) -> bool:
+        """Whether all of these together stay within the tolerance."""
+        angle, slip = self.of(gone)
+        return angle <= self._tolerance.angle_deg and slip <= self._tolerance.slip_m
+
+    def of(self, gone: list[str]) -> tuple[float, float]:
+        """Return the largest change of a tip's angle [deg] and of the slip [m]."""
+        scene, angle = self._scene, self._estimated_deg(gone)
+        if angle > 0.0 and not self.firm and scene.lift_m is not None:
+            angle = math.inf
+        slip = 0.0 if scene.lift_m is None else min(self._arm_m * math.radians(min(angle, 360.0)), scene.lift_m)
+        return min(angle, scene.loss_deg), slip
+
+    def _estimated_deg(self, gone: list[str]) -> float:
+        # without gas there is no controller's band, and its own error has that of all flow effects in it
+        left = [self._estimates[n] for n in gone if "gas" not in gone or n not in NEED_GAS]
+        band = self._scene.band_deg if "gas" not in gone and any(e.redraws for e in left) else 0.0
+        return band + sum(e.own_deg for e in left)

@@ -24,7 +24,7 @@ def without_gravity(root: Any) -> None:
                 body.gravcomp = 1.0
 
 
-def question(scene: Closing) -> Estimate:
+def weight_bend_deg(scene: Closing) -> float:
     """Bound what the weight bends: each joint's softest state up to the set pressure, the rest of the finger level.
 
     A joint's compliance is that of the calibration's curve, ``d(theta)/dp`` over the moment ``A r`` of a pascal.
@@ -38,5 +38,11 @@ def question(scene: Closing) -> Estimate:
     softness = np.gradient(angle, curve.pressure_pa_gauge, axis=0) / (area[:, None] * arm)
     beyond = finger.length_m - np.array(finger.joint_position_m)
     weight = 9.81 * finger.mass_kg * beyond / finger.length_m
-    bent = float(np.degrees(softness[reached].max(axis=0) @ (weight * 0.5 * beyond)))
-    return Estimate(own_deg=bent, redraws=True, reason=f"their weight bends the fingers by at most {bent:.1f} degrees")
+    return float(np.degrees(softness[reached].max(axis=0) @ (weight * 0.5 * beyond)))
+
+
+def question(scene: Closing) -> Estimate:
+    """Ask for what the weight bends; the engine takes longer to take it off than to leave it on."""
+    bent = weight_bend_deg(scene)
+    reason = f"their weight bends the fingers by at most {bent:.1f} degrees"
+    return Estimate(own_deg=bent, redraws=True, saves=False, reason=f"{reason}; leaving it out saves no time")

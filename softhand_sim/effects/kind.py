@@ -37,6 +37,8 @@ class Estimate:
         Largest change of a tip angle that is the effect's own [deg]; infinite if it cannot be told.
     redraws
         Whether leaving it out also makes the controller stop at another place in its band, as any small change does.
+    saves
+        Whether leaving it out saves time; it stays otherwise, unless it is forced to go.
     reason
         In words.
     """
@@ -44,6 +46,7 @@ class Estimate:
     own_deg: float
     redraws: bool
     reason: str
+    saves: bool = True
 
 
 class Closing(Protocol):

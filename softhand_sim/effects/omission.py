@@ -1,4 +1,4 @@
-"""What leaving one effect out changes in a grasp, measured by running both."""
+"""What leaving one effect out changes in a scene, measured by running both."""
 
 import time
 from collections.abc import Mapping
@@ -8,10 +8,9 @@ import numpy as np
 import numpy.typing as npt
 
 from softhand_sim.calibration import FingerCalibration
+from softhand_sim.effects.bare import BareHand
 from softhand_sim.effects.effects import NEED_GAS, Effects
-from softhand_sim.grasp.result import TrialResult
-from softhand_sim.grasp.trial import prepare, run_trial
-from softhand_sim.objects.model import ObjectModel
+from softhand_sim.grasp.trial import TrialSetup, run_trial
 from softhand_sim.simulation import HandSimulation
 
 _NOISE_CHANGE = 1.01
@@ -20,14 +19,20 @@ SCATTER = "noise 1 % larger"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class GraspRun:
-    """A trial's result, tip angles [deg] every 20 ms from the lift's start on, shape (n, 5), and what it took.
+class SceneRun:
+    """One run of a scene.
 
-    ``processor_s`` is the time of this thread [s], which other work on the machine disturbs less than the clock's.
+    Attributes
+    ----------
+    tip_angle_deg: every 20 ms from a grasp's lift, or the end of a bare hand's closing, on [deg], shape (n, 5).
+    slip_m: of the object in the hand; at most the height of the lift, by which a lost one stays behind; 0 without one.
+    verdict: of the trial; empty without an object.
+    processor_s: time of this thread [s], which other work on the machine disturbs less than the clock's.
     """
 
-    result: TrialResult
     tip_angle_deg: npt.NDArray[np.float64]
+    slip_m: float
+    verdict: str
     processor_s: float
 
 
@@ -40,7 +45,7 @@ class Omission:
     effect: what was left out.
     angle_deg: largest difference of any fingertip's angle at any time from the lift's start on [deg].
     slip_m: difference of the slip in the hand [m].
-    same_outcome: whether the verdict stayed; where it did not, the other two are those of a lost object.
+    same_outcome: whether the verdict stayed.
     time_ratio: processor time without the effect over that with everything.
     """
 
@@ -65,9 +70,8 @@ def without_each(effects: Effects) -> Mapping[str, Effects]:
     return gone
 
 
-def grasp(model: ObjectModel, calibration: FingerCalibration, effects: Effects, seed: int) -> GraspRun:
-    """Run one trial with some effects."""
-    setup = prepare(model, calibration, effects=effects)
+def run_grasp(setup: TrialSetup, seed: int) -> SceneRun:
+    """Run one trial."""
     rows: list[npt.NDArray[np.float64]] = []
     times: list[float] = []
 
@@ -79,19 +83,25 @@ def grasp(model: ObjectModel, calibration: FingerCalibration, effects: Effects, 
     result = run_trial(setup, seed, watch)
     took = time.thread_time() - began
     protocol = setup.protocol
-    closed_s = protocol.approach_m / 0.1 + protocol.settle_s + protocol.close_s
-    late = np.array(times) >= closed_s
-    return GraspRun(result=result, tip_angle_deg=np.array(rows)[late], processor_s=took)
+    late = np.array(times) >= protocol.approach_m / 0.1 + protocol.settle_s + protocol.close_s
+    slip_m = min(result.slip_m, protocol.lift_m)
+    return SceneRun(tip_angle_deg=np.array(rows)[late], slip_m=slip_m, verdict=str(result.outcome), processor_s=took)
 
 
-def omission(effect: str, everything: GraspRun, without: GraspRun) -> Omission:
-    """Compare two runs of the same trial."""
+def run_bare(scene: BareHand, calibration: FingerCalibration, effects: Effects, seed: int) -> SceneRun:
+    """Run a hand without an object."""
+    angles, took = scene.run(calibration, effects, seed)
+    return SceneRun(tip_angle_deg=angles, slip_m=0.0, verdict="", processor_s=took)
+
+
+def omission(effect: str, everything: SceneRun, without: SceneRun) -> Omission:
+    """Compare two runs of the same scene."""
     n = min(len(everything.tip_angle_deg), len(without.tip_angle_deg))
     apart = np.abs(everything.tip_angle_deg[:n] - without.tip_angle_deg[:n])
     return Omission(
         effect=effect,
         angle_deg=float(apart.max(initial=0.0)),
-        slip_m=abs(everything.result.slip_m - without.result.slip_m),
-        same_outcome=everything.result.outcome is without.result.outcome,
+        slip_m=abs(everything.slip_m - without.slip_m),
+        same_outcome=everything.verdict == without.verdict,
         time_ratio=without.processor_s / everything.processor_s,
     )

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from softhand_sim.compiling import entry
+from softhand_sim.compiling import compile_for, entry
 from softhand_sim.elements import FINGERS
 from softhand_sim.pneumatics.compiled.gas import advance_gas
 from softhand_sim.pneumatics.compiled.layout import (
@@ -47,6 +47,9 @@ class CompiledFlow:
         object.__setattr__(self, "_elements", element_records(self.network.elements))
         object.__setattr__(self, "_receiver", receiver_row(self.network.supply))
         object.__setattr__(self, "_no_holes", np.zeros((len(FINGERS), 4)))
+        gas, nodes, open_ = np.zeros(GAS_SHAPE), np.zeros(SCRATCH_SHAPE), np.zeros(2 * MANIFOLDS, dtype=np.uint8)
+        volumes = np.zeros(len(FINGERS))
+        compile_for(_advance, self._elements, gas, volumes, open_, self._no_holes, self._receiver, nodes, 0.0)
 
     def flow(self) -> Flow:
         """Return its three functions."""

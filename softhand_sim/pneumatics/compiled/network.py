@@ -18,8 +18,9 @@ Valves = npt.NDArray[np.uint8]
 def _leaf(e: Any, leaf: F64, hub_warmth: float, hole: F64, hub: float, guess: float, dt: float) -> float:
     """`Branch.solve`: pressure of a chamber at the step's end for a manifold's pressure."""
     ambient, leaks, warmth = e.ambient, hole[0] > 0.0, leaf[WARMTH]
-    if not leaks and e.exponent == 1.0:
-        pull = dt * e.laminar
+    if not leaks:
+        # laminar flow has a closed form; the root lies between both pressures, which tells whose gas flows
+        pull = dt * e.laminar * (hub_warmth if hub > leaf[PRESSURE] else warmth)
         p = positive_root(leaf[GROWTH] + pull, leaf[CAPACITY], leaf[CONTENT] + pull * hub * hub)
         if abs(hub * hub - p * p) <= e.crossing:
             return p

@@ -57,8 +57,11 @@ def _fill(e: Any, gas: F64, node: F64, at: int, stiff: float, soft: float) -> No
         node[CAPACITY], node[GROWTH], node[CONTENT] = stiff / rt, soft / rt, mass
         node[WARMTH] = 1.0
         return
-    p = math.pow(invariant / stiff, n)
-    if soft != 0.0:
+    if soft == 0.0:
+        p = math.pow(invariant / stiff, n)
+    else:
+        # the pressure that the vessel had is near
+        p = gas[GAS_PRESSURE, at]
         for _ in range(50):
             volume = stiff + soft * p
             error = math.log(p) / n + math.log(volume / invariant)
