@@ -14,6 +14,7 @@ from softhand_sim.grasp.choice.grasp_file import KeptGrasp, load_grasps
 from softhand_sim.grasp.choice.kept import kept_or_searched
 from softhand_sim.grasp.choice.search import DEFAULT_BUDGET, SMALLEST_BUDGET
 from softhand_sim.grasp.choice.shipped import shipped_grasp
+from softhand_sim.grasp.proof import proven
 from softhand_sim.grasp.protocol import GraspProtocol
 from softhand_sim.grasp.scripted import plan_grasp
 from softhand_sim.objects.model import ObjectModel
@@ -90,7 +91,8 @@ def choose_grasps(
             kept, source = shipped, "shipped"
         else:
             budget = search or DEFAULT_BUDGET
-            kept, source = kept_or_searched(model, finger, protocol=protocol, budget=budget), "search"
+            found = kept_or_searched(model, finger, protocol=protocol, budget=budget)
+            kept, source = proven(found, model, finger, protocol).kept, "search"
         chosen[model.name] = ChosenGrasp(kept=kept, source=source, wall_s=time.perf_counter() - started)
     return chosen
 
@@ -103,6 +105,6 @@ def cost(chosen: dict[str, ChosenGrasp]) -> str:
         text = f"{len(own)} {'from the file' if source == 'file' else source}"
         if source == "search":
             closings, wall_s = sum(grasp.kept.closings or 0 for grasp in own), sum(grasp.wall_s for grasp in own)
-            text = f"{len(own)} searched ({closings} closings, {wall_s:.1f} s; kept ones take no time)"
+            text = f"{len(own)} searched ({closings} closings, {wall_s:.1f} s with their trials)"
         parts.append(text)
     return f"grasps: {', '.join(parts)}"

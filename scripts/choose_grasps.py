@@ -1,4 +1,7 @@
-"""Searches the grasps of catalogue objects and writes them to a file; `assets/grasps/catalogue.toml` is made so."""
+"""Chooses the grasps of catalogue objects and writes them to a file; `assets/grasps/catalogue.toml` is made so.
+
+What a search finds is tried beside the scripted grasp in twenty full trials each; the one that holds more is kept.
+"""
 
 import argparse
 import multiprocessing
@@ -15,10 +18,11 @@ from assets import asset_path
 from scripts import _cli
 from scripts._grasps import check_search
 from softhand_sim.calibration import load_calibration
-from softhand_sim.grasp.choice.grasp_file import GraspFile, KeptGrasp, write_grasps
+from softhand_sim.grasp.choice.grasp_file import GraspFile, write_grasps
 from softhand_sim.grasp.choice.kept import kept_or_searched
 from softhand_sim.grasp.choice.search import DEFAULT_BUDGET
 from softhand_sim.grasp.choice.shipped import hand_sha256, shape_m
+from softhand_sim.grasp.proof import TRIALS, ProvenGrasp, proven
 from softhand_sim.grasp.protocol_file import load_protocol
 from softhand_sim.hand.anatomy import HandAnatomy
 from softhand_sim.objects.catalogue import load_catalogue, make_object
@@ -59,23 +63,24 @@ def _job(argv: Sequence[str] | None) -> int:
         raise ValueError(f"--objects: {unknown[0]!r} is not in the catalogue {known}")
     calibration = args.calibration or asset_path("calibration", "finger.json")
     load_calibration(calibration)
-    search = partial(_searched, calibration=calibration, budget=args.search, seed=args.seed)
+    choose = partial(_chosen, calibration=calibration, budget=args.search, seed=args.seed)
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(args.workers, mp_context=context) as pool:
-        grasps = dict(zip(names, tqdm(pool.map(search, names), total=len(names), unit="object"), strict=True))
+        grasps = dict(zip(names, tqdm(pool.map(choose, names), total=len(names), unit="object"), strict=True))
     file = GraspFile(
-        grasps=grasps,
+        grasps={name: grasp.kept for name, grasp in grasps.items()},
         hand_sha256=hand_sha256(HandAnatomy()),
         calibration_sha256=sha256(calibration.read_bytes()).hexdigest(),
         command=_command(args),
     )
     write_grasps(args.out, file)
-    for name, kept in grasps.items():
-        print(f"{name:<20} score {kept.score:.2f}  closings {kept.closings}")
+    for name, grasp in grasps.items():
+        held = f"held of {TRIALS}: {grasp.found_held} found, {grasp.scripted_held} scripted"
+        print(f"{name:<20} closings {grasp.kept.closings}  {held}")
     print(args.out)
     if args.json is not None:
-        rows = {name: {"score": kept.score, "closings": kept.closings} for name, kept in grasps.items()}
-        _cli.write_json(args.json, {"objects": rows, "seed": args.seed, "search": args.search})
+        rows = {name: _row(grasp) for name, grasp in grasps.items()}
+        _cli.write_json(args.json, {"objects": rows, "seed": args.seed, "search": args.search, "trials": TRIALS})
     return 0
 
 
@@ -83,11 +88,21 @@ def _command(args: argparse.Namespace) -> str:
     return f"scripts/choose_grasps.py --objects {args.objects} --search {args.search} --seed {args.seed}"
 
 
-def _searched(name: str, *, calibration: Path, budget: int, seed: int) -> KeptGrasp:
-    """Search one object's grasp; runs in a worker process."""
-    model = make_object(name)
-    kept = kept_or_searched(model, load_calibration(calibration), protocol=load_protocol(), budget=budget, seed=seed)
-    return replace(kept, shape_m=shape_m(model))
+def _row(grasp: ProvenGrasp) -> dict[str, float | int | None]:
+    return {
+        "score": grasp.kept.score,
+        "closings": grasp.kept.closings,
+        "found_held": grasp.found_held,
+        "scripted_held": grasp.scripted_held,
+    }
+
+
+def _chosen(name: str, *, calibration: Path, budget: int, seed: int) -> ProvenGrasp:
+    """Search one object's grasp and try it; runs in a worker process."""
+    model, finger, protocol = make_object(name), load_calibration(calibration), load_protocol()
+    found = kept_or_searched(model, finger, protocol=protocol, budget=budget, seed=seed)
+    grasp = proven(found, model, finger, protocol)
+    return replace(grasp, kept=replace(grasp.kept, shape_m=shape_m(model)))
 
 
 if __name__ == "__main__":

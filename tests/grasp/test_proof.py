@@ -1,0 +1,48 @@
+"""Full trials have the last word between a searched grasp and the scripted one."""
+
+from dataclasses import replace
+
+import pytest
+
+from softhand_sim.grasp import proof
+from softhand_sim.grasp.choice.grasp_file import KeptGrasp, rounded
+from softhand_sim.grasp.proof import FIRST_SEED, TRIALS, held, proven
+from softhand_sim.grasp.protocol_file import load_protocol
+from softhand_sim.grasp.scripted import plan_grasp
+from softhand_sim.grasp.trial import run_trial
+from softhand_sim.objects.catalogue import make_object
+
+BALL = make_object("tennis_ball")
+
+
+@pytest.fixture
+def elsewhere():
+    """A grasp a decimetre above the ball."""
+    plan = rounded(plan_grasp(BALL))
+    x, y, z, *turn = plan.wrist_pose
+    return KeptGrasp(plan=replace(plan, wrist_pose=(x, y, z + 0.1, *turn)), score=1.2, closings=100)
+
+
+def test_a_grasp_that_closes_on_air_loses_against_the_scripted_one(monkeypatch, calibration, elsewhere):
+    monkeypatch.setattr(proof, "TRIALS", 2)
+    result = proven(elsewhere, BALL, calibration, load_protocol())
+    assert (result.found_held, result.scripted_held) == (0, 2)
+    assert result.kept == KeptGrasp(plan=rounded(plan_grasp(BALL)), closings=100)
+
+
+@pytest.mark.parametrize(("found", "scripted", "stays"), [(20, 19, True), (18, 18, True), (17, 18, False)])
+def test_the_found_grasp_stays_unless_the_scripted_one_holds_more(
+    monkeypatch, calibration, elsewhere, found, scripted, stays
+):
+    counts = {elsewhere.plan: found, rounded(plan_grasp(BALL)): scripted}
+    monkeypatch.setattr(proof, "held", lambda plan, *_: counts[plan])
+    assert (proven(elsewhere, BALL, calibration, load_protocol()).kept is elsewhere) == stays
+
+
+def test_trials_are_those_of_their_own_seeds(monkeypatch, calibration):
+    seen = []
+    monkeypatch.setattr(proof, "run_trial", lambda setup, seed: seen.append(seed) or run_trial(setup, 0))
+    monkeypatch.setattr(proof, "TRIALS", 2)
+    assert held(plan_grasp(BALL), BALL, calibration, load_protocol()) == 2
+    assert seen == [FIRST_SEED, FIRST_SEED + 1]
+    assert TRIALS >= 10
