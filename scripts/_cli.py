@@ -7,6 +7,7 @@ import os
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import fields, replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, NoReturn, TypeVar
 
@@ -62,6 +63,23 @@ def non_negative_int(text: str) -> int:
     if value < 0:
         raise argparse.ArgumentTypeError(f"{text} must be a whole number of 0 or above")
     return value
+
+
+def rising_pressures(text: str) -> tuple[float, ...]:
+    """Return the gauge pressures [Pa] of ``--pressures``, comma-separated in kPa.
+
+    Raises
+    ------
+    ValueError
+        If they are no numbers, do not increase, or do not lie in (0, 1000) kPa.
+    """
+    try:
+        found = tuple(1e3 * float(item) for item in text.split(","))
+    except ValueError:
+        raise ValueError(f"--pressures {text}: must be numbers in kPa, comma-separated") from None
+    if not all(0.0 < p < 1e6 for p in found) or any(a >= b for a, b in pairwise(found)):
+        raise ValueError(f"--pressures {text}: must increase and lie in (0, 1000) kPa")
+    return found
 
 
 def check_writable(path: Path | None, option: str = "--json") -> None:

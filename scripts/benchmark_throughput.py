@@ -21,6 +21,7 @@ import numpy.typing as npt
 from tqdm import tqdm
 
 from scripts import _cli
+from scripts._objects import catalogue_names
 from softhand_sim.benchmark.plan import BenchmarkPlan, prepare_for
 from softhand_sim.benchmark.runner import run_benchmark
 from softhand_sim.benchmark.store import TrialStore
@@ -28,7 +29,7 @@ from softhand_sim.grasp.protocol_file import DEFAULT, load_protocol
 from softhand_sim.grasp.result import TrialResult
 from softhand_sim.grasp.stage import SAMPLE_S
 from softhand_sim.grasp.trial import TrialSetup, run_trial
-from softhand_sim.objects.catalogue import load_catalogue, make_object
+from softhand_sim.objects.catalogue import make_object
 from softhand_sim.simulation import HandSimulation
 
 EXAMPLES = """examples:
@@ -86,10 +87,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _job(argv: Sequence[str] | None) -> int:
     args = parser().parse_args(argv)
     _cli.check_writable(args.json)
-    known = list(load_catalogue())
-    names = known if args.objects == "all" else [name.strip() for name in args.objects.split(",")]
-    if unknown := [name for name in names if name not in known]:
-        raise ValueError(f"--objects: {unknown[0]!r} is not in the catalogue {known}")
+    names = catalogue_names(args.objects)
     plan = BenchmarkPlan(
         objects=tuple(make_object(name) for name in names),
         trials=args.trials,

@@ -17,6 +17,7 @@ from tqdm import tqdm
 from assets import asset_path
 from scripts import _cli
 from scripts._grasps import check_search
+from scripts._objects import catalogue_names
 from softhand_sim.calibration import load_calibration
 from softhand_sim.grasp.choice.grasp_file import GraspFile, write_grasps
 from softhand_sim.grasp.choice.kept import kept_or_searched
@@ -25,7 +26,7 @@ from softhand_sim.grasp.choice.shipped import hand_sha256, shape_m
 from softhand_sim.grasp.proof import TRIALS, ProvenGrasp, proven
 from softhand_sim.grasp.protocol_file import load_protocol
 from softhand_sim.hand.anatomy import HandAnatomy
-from softhand_sim.objects.catalogue import load_catalogue, make_object
+from softhand_sim.objects.catalogue import make_object
 
 EXAMPLES = """examples:
   choose_grasps.py --objects all --workers 2 --out assets/grasps/catalogue.toml    # the shipped grasps
@@ -57,10 +58,9 @@ def _job(argv: Sequence[str] | None) -> int:
     _cli.check_writable(args.out, "--out")
     _cli.check_writable(args.json)
     check_search(args.search)
-    known = sorted(load_catalogue())
-    names = known if args.objects == "all" else [name.strip() for name in args.objects.split(",")]
-    if unknown := [name for name in names if name not in known]:
-        raise ValueError(f"--objects: {unknown[0]!r} is not in the catalogue {known}")
+    names = catalogue_names(args.objects)
+    if args.objects == "all":
+        names = sorted(names)
     calibration = args.calibration or asset_path("calibration", "finger.json")
     load_calibration(calibration)
     choose = partial(_chosen, calibration=calibration, budget=args.search, seed=args.seed)

@@ -3,7 +3,6 @@
 import sys
 from collections.abc import Sequence
 from importlib.util import find_spec
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -16,9 +15,10 @@ from fea.density import DENSITIES
 from fea.finger_design import load_design
 from fea.solved import solve_finger
 from scripts import _cli, _solving, _sweep_report
+from scripts._objects import catalogue_names
 from scripts._sweep_measure import Plan, measured
 from scripts._sweep_points import Variable, designs, variable
-from softhand_sim.objects.catalogue import load_catalogue, make_object
+from softhand_sim.objects.catalogue import make_object
 from softhand_sim.objects.model import ObjectModel
 
 EXAMPLES = """examples:
@@ -56,7 +56,7 @@ def job(argv: Sequence[str] | None = None, analyses: _solving.Analyses = solve_f
     file = args.json or args.out / "sweep.json"
     for path in (file, args.out / "table.md"):
         _cli.check_writable(path, "--json" if path is args.json else "--out")
-    variables, pressures, objects = _variables(args.vary), _pressures(args.pressures), _objects(args.objects)
+    variables, pressures, objects = _variables(args.vary), _cli.rising_pressures(args.pressures), _objects(args.objects)
     plot = not args.no_plot and bool(variables)
     if plot and find_spec("matplotlib") is None:
         raise ValueError("--no-plot: needed, matplotlib is missing (pip install 'softhand-sim[plots]')")
@@ -93,25 +93,10 @@ def _variables(texts: Sequence[str]) -> list[Variable]:
     return variables
 
 
-def _pressures(text: str) -> tuple[float, ...]:
-    try:
-        found = tuple(1e3 * float(item) for item in text.split(","))
-    except ValueError:
-        raise ValueError(f"--pressures {text}: must be numbers in kPa, comma-separated") from None
-    if not all(0.0 < p < 1e6 for p in found) or any(a >= b for a, b in pairwise(found)):
-        raise ValueError(f"--pressures {text}: must increase and lie in (0, 1000) kPa")
-    return found
-
-
 def _objects(text: str) -> tuple[ObjectModel, ...]:
     if text == "none":
         return ()
-    known = list(load_catalogue())
-    asked = known if text == "all" else [name.strip() for name in text.split(",")]
-    for name in asked:
-        if name not in known:
-            raise ValueError(f"--objects: {name!r} is not in the catalogue {known}")
-    return tuple(make_object(name) for name in asked)
+    return tuple(make_object(name) for name in catalogue_names(text))
 
 
 def _settings(args: Any, plan: Plan) -> dict[str, Any]:

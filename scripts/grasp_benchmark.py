@@ -17,6 +17,7 @@ from assets import asset_path
 from scripts import _cli
 from scripts._grasp_report import read_sweep, write_report
 from scripts._grasps import ChosenGrasp, add_grasps, check_search, choose_grasps, cost
+from scripts._objects import catalogue_names
 from softhand_sim.benchmark.halves import DEVELOPMENT, REPORT, half, held_in_halves
 from softhand_sim.benchmark.pictures import draw
 from softhand_sim.benchmark.plan import BenchmarkPlan
@@ -219,14 +220,9 @@ def _loaders(args: argparse.Namespace) -> dict[str, Callable[[], ObjectModel]]:
 
 
 def _catalogue_names(objects: str | None) -> list[str]:
-    known = list(load_catalogue())
-    if objects is not None and objects in (DEVELOPMENT, REPORT):
-        return half(known, objects)
-    asked = known if objects is None or objects == "all" else [name.strip() for name in objects.split(",")]
-    for name in asked:
-        if name not in known:
-            raise ValueError(f"--objects: {name!r} is not in the catalogue {known}")
-    return asked
+    if objects in (DEVELOPMENT, REPORT):
+        return half(list(load_catalogue()), objects)
+    return catalogue_names("all" if objects is None else objects)
 
 
 def _mesh(path: Path, args: argparse.Namespace) -> ObjectModel:

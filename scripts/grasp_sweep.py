@@ -9,6 +9,7 @@ from typing import Any
 from tqdm import tqdm
 
 from scripts import _cli
+from scripts._objects import catalogue_names
 from softhand_sim.benchmark.plan import BenchmarkPlan
 from softhand_sim.benchmark.runner import in_order, run_benchmark
 from softhand_sim.benchmark.store import TrialStore, conditions
@@ -16,7 +17,7 @@ from softhand_sim.benchmark.success_plots import success_plots
 from softhand_sim.benchmark.sweep import AXES, Axis, SweepPoint, sweep_points, sweep_row
 from softhand_sim.benchmark.sweep_table import sweep_table
 from softhand_sim.grasp.protocol_file import DEFAULT, load_protocol, protocol_names
-from softhand_sim.objects.catalogue import load_catalogue, make_object
+from softhand_sim.objects.catalogue import make_object
 
 EXAMPLES = """examples:
   grasp_sweep.py --objects apple,mug --vary mass_scale=0.5,1,2,4 --workers 2
@@ -56,10 +57,7 @@ def _job(argv: Sequence[str] | None) -> int:
     file = args.json or args.out / "sweep.json"
     for path in (file, args.out / "table.md", args.out / "trials" / "any.sqlite"):
         _cli.check_writable(path, "--json" if path is args.json else "--out")
-    known = list(load_catalogue())
-    names = known if args.objects == "all" else [name.strip() for name in args.objects.split(",")]
-    if unknown := [name for name in names if name not in known]:
-        raise ValueError(f"--objects: {unknown[0]!r} is not in the catalogue {known}")
+    names = catalogue_names(args.objects)
     base = BenchmarkPlan(
         objects=tuple(make_object(name) for name in names),
         trials=args.trials,

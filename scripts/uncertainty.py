@@ -5,7 +5,6 @@ import sys
 from collections.abc import Sequence
 from dataclasses import asdict
 from importlib.util import find_spec
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -22,9 +21,10 @@ from fea.finger_design import load_design
 from fea.solved import solve_finger
 from scripts import _cli, _solving, _uncertainty_pictures, _uncertainty_report
 from scripts._ensemble import Job, assemble, solve_members
+from scripts._objects import catalogue_names
 from softhand_sim.checks import require_in
 from softhand_sim.grasp.protocol_file import DEFAULT, load_protocol, protocol_names
-from softhand_sim.objects.catalogue import load_catalogue, make_object
+from softhand_sim.objects.catalogue import make_object
 from softhand_sim.objects.model import ObjectModel
 from softhand_sim.uncertainty import (
     Band,
@@ -138,7 +138,7 @@ def _job(args: Any, analyses: _solving.Analyses) -> Job:
 
 
 def _bands(args: Any, analyses: _solving.Analyses) -> int:  # noqa: ARG001 - the commands' common signature
-    pressures = _pressures(args.pressures)
+    pressures = _cli.rising_pressures(args.pressures)
     ensemble = load_ensemble(args.ensemble, args.calibration)
     members = [ensemble.nominal, *(m for s in ensemble.sources for m in s.solved)]
     figures = {}
@@ -199,23 +199,8 @@ def _say_refused(ensemble: Ensemble) -> None:
             print(f"{source.name}: {member.name} has no calibration{then}: {member.refused}")
 
 
-def _pressures(text: str) -> tuple[float, ...]:
-    try:
-        found = tuple(1e3 * float(item) for item in text.split(","))
-    except ValueError:
-        raise ValueError(f"--pressures {text}: must be numbers in kPa, comma-separated") from None
-    if not all(0.0 < p < 1e6 for p in found) or any(a >= b for a, b in pairwise(found)):
-        raise ValueError(f"--pressures {text}: must increase and lie in (0, 1000) kPa")
-    return found
-
-
 def _objects(text: str) -> tuple[ObjectModel, ...]:
-    known = list(load_catalogue())
-    asked = known if text == "all" else [name.strip() for name in text.split(",")]
-    for name in asked:
-        if name not in known:
-            raise ValueError(f"--objects: {name!r} is not in the catalogue {known}")
-    return tuple(make_object(name) for name in asked)
+    return tuple(make_object(name) for name in catalogue_names(text))
 
 
 def _scenarios(text: str, ensemble: Ensemble) -> tuple[str, ...]:
