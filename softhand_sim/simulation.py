@@ -22,8 +22,13 @@ Vector = npt.NDArray[np.float64]
 
 RANGE_WATCH_S = 0.02
 """Choice: how often range_watch looks, the sensors' period; every step would cost some per cent of a trial."""
-INSTABILITY = (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC)
-"""Warnings that mean a diverged world."""
+INSTABILITY = (
+    mujoco.mjtWarning.mjWARN_BADQPOS,
+    mujoco.mjtWarning.mjWARN_BADQVEL,
+    mujoco.mjtWarning.mjWARN_BADQACC,
+    mujoco.mjtWarning.mjWARN_BADCTRL,
+)
+"""Warnings that mean a diverged world: numbers that are none, which the engine replaces and goes on."""
 
 
 def default_pneumatics(calibration: FingerCalibration) -> PneumaticSystem:
