@@ -63,12 +63,13 @@ def _square(x: int, y: int, colour: str) -> Any:
 
 def page(rows: Rows, steps: Sequence[float], held: Rows, picture: str) -> str:
     """Return the page as Markdown."""
-    about = {**SOLID_CASES, **hard_cases()}
+    about = {name: (case.hard, case.correctness) for name, case in SOLID_CASES.items()}
+    about |= {name: (case.hard, case.correctness) for name, case in hard_cases().items()}
     lines = [
         "# Hard cases",
         "",
-        "Each case is named in code (`fea/stability/cases`, `softhand_sim/stability/cases`; a new one is a file there), with "
-        "what makes it hard and two criteria: that it stays stable, and that it is right. Written by",
+        "Each case is named in code (`fea/stability/cases`, `softhand_sim/stability/cases`: a new one is a file), "
+        "with what makes it hard and two criteria: that it stays stable, and that it is right. Written by",
         "",
         "```",
         _COMMAND,
@@ -89,9 +90,9 @@ def page(rows: Rows, steps: Sequence[float], held: Rows, picture: str) -> str:
     ]
     found = {(row["name"], row["timestep_s"]): row for row in rows}
     for name in dict.fromkeys(row["name"] for row in rows):
-        case = about[name]
+        hard, right = about[name]
         cells = [_cell(found.get((name, step))) for step in (None, *steps)]
-        lines.append(f"| {name} | {case.hard} | {case.correctness} | {' | '.join(cells)} |")
+        lines.append(f"| {name} | {hard} | {right} | {' | '.join(cells)} |")
     lines += ["", "Figures, and what they may be at most:", ""]
     for name in dict.fromkeys(row["name"] for row in rows):
         own = [row for row in rows if row["name"] == name]

@@ -10,6 +10,7 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import asdict, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -125,7 +126,7 @@ def _jobs(
         run = cases[name].run
         seeded = replace(run, seed=seed) if isinstance(run, Grasped) else run
         for step in steps:
-            yield name, step, lambda seeded=seeded, step=step: seeded(step)
+            yield name, step, partial(seeded, step)
 
 
 def _outcome(run: Callable[[], Any]) -> dict[str, Any]:

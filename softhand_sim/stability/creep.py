@@ -25,7 +25,7 @@ from softhand_sim.simulation import HandSimulation
 HOLD_S = 600.0
 WITHOUT_CREEP = EngineSettings(noslip_iterations=30, impratio=100.0)
 """Choice: the high-accuracy preset for holding, at the default step: ten times the noslip iterations and the ratio of
-frictional to normal impedance. A lemon held for a minute: 1.9 um/s by default, 2.1 with 30 iterations, 0.1 with both."""
+frictional to normal impedance. A lemon, a minute: 1.9 um/s by default, 2.1 with 30 iterations, 0.1 with both."""
 
 
 @dataclass(frozen=True, kw_only=True)

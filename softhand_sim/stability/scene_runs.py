@@ -72,11 +72,12 @@ def trial(
 
 @dataclass(frozen=True, kw_only=True)
 class Grasped:
-    """A grasp case: an object, and the finger that grasps it; compared with the same at the reference step."""
+    """A grasp case: an object, and the finger that grasps it; compared with the same at the reference step, if any."""
 
     make: Callable[[], ObjectModel]
     stiffness: float = 1.0
     seed: int = SEED
+    reference_step_s: float | None = REFERENCE_STEP_S
 
     def __call__(self, timestep_s: float) -> Finding:
         """Run at a step; the figure is 1 for another verdict, else the depth over what is allowed."""
@@ -84,7 +85,7 @@ class Grasped:
         criterion = "same verdict as at 0.5 ms; depth over 5 mm, <= 1"
         if result.outcome in TYPED:
             return judged(criterion, 0.0, 1.0, typed=result.alarm or result.outcome.value)
-        reference = _reference(self)
+        reference = result.outcome if self.reference_step_s is None else _reference(self, self.reference_step_s)
         depth = max(result.penetration_m, result.finger_penetration_m) / 5e-3
         flipped = result.outcome is not reference
         detail = f"{result.outcome.value}, at the reference step {reference.value}"
@@ -95,8 +96,8 @@ class Grasped:
 
 
 @cache
-def _reference(case: Grasped) -> Outcome:
-    return trial(case.make(), REFERENCE_STEP_S, calibration=case._finger(), seed=case.seed).outcome
+def _reference(case: Grasped, step_s: float) -> Outcome:
+    return trial(case.make(), step_s, calibration=case._finger(), seed=case.seed).outcome
 
 
 @dataclass(kw_only=True)

@@ -97,13 +97,13 @@ def _loaded(model: SolidModel, load_pa: float, steps: int) -> tuple[Status, F64]
 
 def _tube() -> SolidModel:
     """Return a quarter of a tube with a wall of 2 mm around a sheet of rings at 5 mm, between two planes that slide."""
-    r, theta, height = np.linspace(4e-3, 6e-3, 5), np.linspace(0.0, 0.5 * np.pi, 6), 4e-3
+    r, theta, height = np.linspace(4e-3, 6e-3, 3), np.linspace(0.0, 0.5 * np.pi, 4), 2e-3
 
     def position(x: F64) -> F64:
         flat = x[:, 0] * np.stack([np.cos(x[:, 1]), np.sin(x[:, 1])])
         return np.column_stack([*np.where(np.abs(flat) < 1e-14, 0.0, flat), x[:, 2]])
 
-    mesh = sweep(rectangle(r, theta), np.linspace(0.0, height, 5), position)
+    mesh = sweep(rectangle(r, theta), np.linspace(0.0, height, 3), position)
     fixed, z = symmetry_planes(mesh), mesh.cylindrical[:, 2]
     # rings at every other node plane: the silicone bulges between them
     fixed[np.isclose(mesh.cylindrical[:, 0], 5e-3) & np.isclose(z % 2e-3, 0.0, atol=1e-9), :2] = True
@@ -113,15 +113,15 @@ def _tube() -> SolidModel:
 
 
 def in_one_step() -> SolidFinding:
-    """80 kPa in one step on a wall of 2 mm between rings: the same state as in eight steps."""
+    """80 kPa in one step on a wall of 2 mm between rings: the same state as in four steps."""
     ends = []
-    for steps in (1, 8):
+    for steps in (1, 4):
         status, u = _loaded(_tube(), 80e3, steps)
         if status is not Status.CONVERGED:
-            return judged("the same state as in eight steps", 1.0, 0.0, typed=f"{steps} steps: {status.value}")
+            return judged("the same state as in four steps", 1.0, 0.0, typed=f"{steps} steps: {status.value}")
         ends.append(u)
     off = float(np.abs(ends[0] - ends[1]).max() / np.abs(ends[1]).max())
-    return judged("displacement against eight steps, share of the largest, <= 1e-3", off, 1e-3)
+    return judged("displacement against four steps, share of the largest, <= 1e-3", off, 1e-3)
 
 
 def stiff_rings() -> SolidFinding:
@@ -170,7 +170,7 @@ KINDS = {
             past_the_limit_point,
         ),
         ("pressure beyond the limit point", "no equilibrium exists", "a typed status", burst),
-        ("80 kPa in one step", "wall of 2 mm between rings, from rest", "the state of eight steps", in_one_step),
+        ("80 kPa in one step", "wall of 2 mm between rings, from rest", "the state of four steps", in_one_step),
         (
             "rings of 10,000 times the silicone",
             "stiffness jumps within an element's neighbour",

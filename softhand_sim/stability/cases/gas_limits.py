@@ -1,6 +1,7 @@
 """Gas at its limits: no volume, no air, no end of flow, and a hole larger than the valve."""
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -137,10 +138,10 @@ def stuck_inlet(timestep_s: float) -> Finding:
     )
 
 
-def _case(name: str, hard: str, correctness: str, run: object) -> HardCase:
+def _case(name: str, hard: str, correctness: str, run: Callable[[float], Finding]) -> HardCase:
     return HardCase(
         name=name, hard=hard, stability="every pressure finite and positive", correctness=correctness, run=run
-    )  # type: ignore[arg-type]
+    )
 
 
 KINDS = {
