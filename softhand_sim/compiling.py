@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numba
+from numba.core.caching import FunctionCache
 
 try:
     import fcntl
@@ -48,6 +49,23 @@ def compile_for(kernel: Any, *arguments: Any) -> None:
     if types not in kernel.overloads:
         with _alone(kernel.stats.cache_path):
             kernel.compile(types)
+
+
+def loaded(kernel: Any, *arguments: Any) -> Callable[..., Any]:
+    """Return an entry's code for the types of some arguments; it looks at no types any more, so they must be these."""
+    compile_for(kernel, *arguments)
+    code: Callable[..., Any] = kernel.overloads[tuple(numba.typeof(argument) for argument in arguments)].entry_point
+    return code
+
+
+def callback(signature: str, function: Callable[..., Any]) -> Any:
+    """Compile a function that the engine may call, or load its code from disk; its ``address`` is an attribute."""
+    try:
+        folder = FunctionCache(function).cache_path
+    except RuntimeError:
+        return numba.cfunc(signature)(function)
+    with _alone(folder):
+        return numba.cfunc(signature, cache=True)(function)
 
 
 @contextmanager

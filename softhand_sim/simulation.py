@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from softhand_sim.actuation import EngineArrays, HandParts, prepare_actuation
+from softhand_sim.actuation import EngineArrays, HandParts, engine_runner, prepare_actuation
 from softhand_sim.calibration import FingerCalibration
 from softhand_sim.calibration.limits import CalibratedRange, RangeWatch
 from softhand_sim.hand.anatomy import HandAnatomy
@@ -66,6 +66,9 @@ class HandSimulation:
         )
         parts = HandParts(index=self.index, calibration=self.calibration, pneumatics=self.pneumatics, losses=losses)
         self._actuation = prepare_actuation(parts, engine)
+        self._run = engine_runner(self._actuation, self.model, self.data)
+        speed, rate = self.anatomy.wrist_speed_m_per_s, self.anatomy.wrist_rate_rad_per_s
+        self._wrist, self._limits = np.zeros((2, 1, 6)), np.array([speed * self.dt, rate * self.dt])
         self._idle = self.pneumatics is None and not losses.any
 
     def reset(self, rng: np.random.Generator, wrist_pose: Vector) -> None:
@@ -84,31 +87,49 @@ class HandSimulation:
     def advance(self, steps: int) -> None:
         """Advance by some time steps, as that many calls of `step` to the bit.
 
-        Where nothing changes between the engine's own steps (neither gas nor losses, the wrist at its target), it takes
-        them at one go.
+        Between two looks at the calibrated range, the steps are taken in compiled code where there is such, and by the
+        engine alone where nothing changes between its own steps (neither gas nor losses, the wrist at its target).
         """
         while steps > 0:
-            if not self._idle or self._played is not None or not self.wrist_arrived:
+            still = self._idle and self.wrist_arrived
+            if self._played is not None or (self._run is None and not still):
                 self.step()
                 steps -= 1
                 continue
-            self.data.ctrl[self.index.wrist_ctrl] = self.wrist_reference
-            self._actuation.step(self.dt)
             until_look = max(1, math.ceil((self._next_look_s - self.data.time) / self.dt - 1e-6))
             taken = min(steps, until_look)
-            mujoco.mj_step(self.model, self.data, nstep=taken)
+            if still:
+                self.data.ctrl[self.index.wrist_ctrl] = self.wrist_reference
+                self._actuation.step(self.dt)
+                mujoco.mj_step(self.model, self.data, nstep=taken)
+            else:
+                self._take(taken)
             self._look()
             steps -= taken
 
     def step(self) -> None:
         """Advance by one time step of the engine."""
-        self.move_wrist()
-        self.data.ctrl[self.index.wrist_ctrl] = self.wrist_reference
-        if self._played is not None:
-            self._actuation.play(np.array([next(self._played)]))
-        self._actuation.step(self.dt)
-        mujoco.mj_step(self.model, self.data)
+        if self._run is not None and self._played is None:
+            self._take(1)
+        else:
+            self.move_wrist()
+            self.data.ctrl[self.index.wrist_ctrl] = self.wrist_reference
+            if self._played is not None:
+                self._actuation.play(np.array([next(self._played)]))
+            self._actuation.step(self.dt)
+            mujoco.mj_step(self.model, self.data)
         self._look()
+
+    def _take(self, steps: int) -> None:
+        """Take steps in compiled code."""
+        assert self._run is not None
+        wrist = self._wrist
+        wrist[0, 0], wrist[1, 0] = self.wrist_reference, self.wrist_target
+        try:
+            self._run(wrist, self._limits, self.dt, steps)
+        finally:
+            # a new array: the old one may have been kept by somebody
+            self.wrist_reference = wrist[0, 0].copy()
 
     def _look(self) -> None:
         if self.data.time >= self._next_look_s:

@@ -1,16 +1,19 @@
 """The actuation by compiled kernels over all worlds; Python is left with the ticks of the controllers."""
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from softhand_sim.actuation.kernel import TIME_TOLERANCE_S, advance_hands
+from softhand_sim.actuation.kernel import AT_TICK, NO_VOLUME, TIME_TOLERANCE_S, advance_hands
 from softhand_sim.actuation.layout import GAS, GIVEN, SET, hand_record, world_dtype
+from softhand_sim.actuation.native import EngineGuard
 from softhand_sim.actuation.parts import EngineArrays, HandParts
+from softhand_sim.actuation.run import FAILED, run_world
 from softhand_sim.actuation.switching import command_onoff, read_sensors, switch_valves
-from softhand_sim.compiling import compile_for
+from softhand_sim.compiling import compile_for, loaded
 from softhand_sim.control.onoff import OnOffController
 from softhand_sim.control.protocol import ValveCommand, checked_answer
 from softhand_sim.losses import LossState
@@ -39,6 +42,7 @@ class CompiledActuation:
         self._worlds["source"] = SET if system is None else GAS
         self._worlds["waiting"] = math.inf
         self._noise = NumberedNoise()
+        self._run_world: Callable[..., tuple[int, int]] | None = None
         self._compile()
         self._pressure: Vector = self._worlds["gas"][:, GAS_PRESSURE, :MANIFOLDS]
         self._reading: Vector = self._worlds["reading"]
@@ -75,11 +79,62 @@ class CompiledActuation:
             if waiting == 0:
                 return
             if waiting < 0:
-                volumes = self._worlds["volume"][-1 - waiting].tolist()
-                raise ValueError(f"volumes_m3 = {volumes}: must be {len(volumes)} finite numbers > 0")
+                self._refuse(-1 - waiting)
             if self._hand.pneumatics is not None:
                 self._tick(self._hand.pneumatics)
             begins = False
+
+    def run(self, guard: EngineGuard, wrist: Vector, limits: Vector, dt: float, steps: int) -> None:
+        """Take steps of the only world: wrist, actuation and the engine's step, with as little Python as may be.
+
+        Parameters
+        ----------
+        guard
+            Of the world whose arrays these are.
+        wrist, limits
+            As in `run_world`; the reference is moved.
+        dt, steps
+            Time step [s], and how many.
+
+        Raises
+        ------
+        ValueError
+            As `step`.
+        mujoco.FatalError
+            If the engine fails.
+        """
+        begins = True
+        while steps > 0:
+            e, noise = self._engine, self._noise_ahead(dt * steps)
+            arguments = (guard.words, self._elements, self._hands, self._worlds, self._receiver)
+            arguments += (e.ten_length, e.qpos, e.ctrl, wrist, limits, noise, dt, steps, begins)
+            # looking the types up at every call takes half as long as a step of the engine
+            self._run_world = self._run_world or loaded(run_world, *arguments)
+            done, why = self._run_world(*arguments)
+            steps -= done
+            if why == FAILED:
+                guard.raise_error()
+            if why == NO_VOLUME:
+                self._refuse(0)
+            if why == AT_TICK and self._hand.pneumatics is not None:
+                self._tick(self._hand.pneumatics)
+            begins = False
+
+    def _noise_ahead(self, duration_s: float) -> Vector:
+        """Return the draws for the ON-OFF law's ticks in a time to come, (m, 3); none for other laws."""
+        system, world = self._hand.pneumatics, self._worlds[0]
+        if system is None or type(system.controller) is not OnOffController:
+            return np.zeros((0, 3))
+        count = max(0, math.ceil((duration_s - float(world["to_tick"])) / system.tick_s - 1e-6))
+        noise, seed, first = np.zeros((count, 3)), int(world["noise_seed"]), int(world["ticks"])
+        if system.sensor is not None:
+            for m in range(count):
+                noise[m] = self._noise.draw(seed, first + m, 3)
+        return noise
+
+    def _refuse(self, world: int) -> None:
+        volumes = self._worlds["volume"][world].tolist()
+        raise ValueError(f"volumes_m3 = {volumes}: must be {len(volumes)} finite numbers > 0")
 
     def play(self, pressures_pa_gauge: Vector) -> None:
         """Give the fingers these pressures instead of the gas's."""

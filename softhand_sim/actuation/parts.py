@@ -34,6 +34,31 @@ class EngineArrays:
     ctrl: Vector
 
 
+class Runner(Protocol):
+    """Takes whole steps of one world."""
+
+    def __call__(self, wrist: Vector, limits: Vector, dt: float, steps: int) -> None:
+        """Take steps of ``dt`` [s]: move the wrist's reference, advance the actuation, step the engine.
+
+        Parameters
+        ----------
+        wrist
+            The wrist's reference, which is moved, and its target, (2, 1, 6).
+        limits
+            The longest move [m] and turn [rad] of the wrist in a step, (2,).
+        dt, steps
+            Time step [s], and how many.
+
+        Raises
+        ------
+        ValueError
+            As `Actuation.step`.
+        mujoco.FatalError
+            If the engine fails.
+        """
+        ...
+
+
 class Actuation(Protocol):
     """The pressures and losses of n hands.
 
