@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from softhand_sim.actuation import EngineArrays, HandParts, engine_runner, prepare_actuation
+from softhand_sim.actuation import Course, EngineArrays, HandParts, Runner, engine_runner, prepare_actuation
 from softhand_sim.calibration import FingerCalibration
 from softhand_sim.calibration.limits import CalibratedRange, RangeWatch
 from softhand_sim.hand.anatomy import HandAnatomy
@@ -22,8 +22,9 @@ Vector = npt.NDArray[np.float64]
 
 RANGE_WATCH_S = 0.02
 """Choice: how often range_watch looks, the sensors' period; every step would cost some per cent of a trial."""
-INSTABILITY = (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC)
-"""Warnings that mean a diverged world."""
+_BAD = (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC)
+INSTABILITY = tuple(int(kind) for kind in _BAD)
+"""Numbers of the warnings that mean a diverged world."""
 
 
 def default_pneumatics(calibration: FingerCalibration) -> PneumaticSystem:
@@ -87,49 +88,50 @@ class HandSimulation:
     def advance(self, steps: int) -> None:
         """Advance by some time steps, as that many calls of `step` to the bit.
 
-        Between two looks at the calibrated range, the steps are taken in compiled code where there is such, and by the
-        engine alone where nothing changes between its own steps (neither gas nor losses, the wrist at its target).
+        They are taken in compiled code where there is such, and by the engine alone, between two looks at the
+        calibrated range, where nothing changes between its steps (neither gas nor losses, the wrist at its target).
         """
         while steps > 0:
             still = self._idle and self.wrist_arrived
-            if self._played is not None or (self._run is None and not still):
-                self.step()
-                steps -= 1
-                continue
-            until_look = max(1, math.ceil((self._next_look_s - self.data.time) / self.dt - 1e-6))
-            taken = min(steps, until_look)
-            if still:
+            if still and self._played is None:
+                until_look = max(1, math.ceil((self._next_look_s - self.data.time) / self.dt - 1e-6))
+                taken = min(steps, until_look)
                 self.data.ctrl[self.index.wrist_ctrl] = self.wrist_reference
                 self._actuation.step(self.dt)
                 mujoco.mj_step(self.model, self.data, nstep=taken)
+                self._look()
+            elif self._played is None and self._run is not None:
+                taken = steps
+                self._take(self._run, steps)
             else:
-                self._take(taken)
-            self._look()
+                taken = 1
+                self.step()
             steps -= taken
 
     def step(self) -> None:
         """Advance by one time step of the engine."""
         if self._run is not None and self._played is None:
-            self._take(1)
-        else:
-            self.move_wrist()
-            self.data.ctrl[self.index.wrist_ctrl] = self.wrist_reference
-            if self._played is not None:
-                self._actuation.play(np.array([next(self._played)]))
-            self._actuation.step(self.dt)
-            mujoco.mj_step(self.model, self.data)
+            self._take(self._run, 1)
+            return
+        self.move_wrist()
+        self.data.ctrl[self.index.wrist_ctrl] = self.wrist_reference
+        if self._played is not None:
+            self._actuation.play(np.array([next(self._played)]))
+        self._actuation.step(self.dt)
+        mujoco.mj_step(self.model, self.data)
         self._look()
 
-    def _take(self, steps: int) -> None:
+    def _take(self, run: Runner, steps: int) -> None:
         """Take steps in compiled code."""
-        assert self._run is not None
-        wrist = self._wrist
+        wrist, clock = self._wrist, np.array([self.data.time, self._next_look_s, RANGE_WATCH_S])
         wrist[0, 0], wrist[1, 0] = self.wrist_reference, self.wrist_target
+        course = Course(wrist=wrist, limits=self._limits, extremes=self.range_watch.extremes, clock=clock)
         try:
-            self._run(wrist, self._limits, self.dt, steps)
+            run(course, self.dt, steps)
         finally:
             # a new array: the old one may have been kept by somebody
             self.wrist_reference = wrist[0, 0].copy()
+            self._next_look_s = float(clock[1])
 
     def _look(self) -> None:
         if self.data.time >= self._next_look_s:
@@ -217,7 +219,8 @@ class HandSimulation:
     @property
     def diverged(self) -> bool:
         """Whether the engine reported an instability or a coordinate is not finite."""
-        warned = any(self.data.warning[kind].number > 0 for kind in INSTABILITY)
+        numbers = self.data.warning.number
+        warned = any(numbers[kind] > 0 for kind in INSTABILITY)
         return warned or not bool(np.isfinite(self.data.qpos).all())
 
     def tip_angles_rad(self) -> Vector:

@@ -7,6 +7,15 @@ agree to 1e-10. `PneumaticSystem` and `Losses` stay the reference and hold all p
 """
 
 from softhand_sim.actuation.choice import engine_runner, prepare_actuation, wrist_mover
-from softhand_sim.actuation.parts import Actuation, EngineArrays, HandParts, Runner
+from softhand_sim.actuation.parts import Actuation, Course, EngineArrays, HandParts, Runner
 
-__all__ = ["Actuation", "EngineArrays", "HandParts", "Runner", "engine_runner", "prepare_actuation", "wrist_mover"]
+__all__ = [
+    "Actuation",
+    "Course",
+    "EngineArrays",
+    "HandParts",
+    "Runner",
+    "engine_runner",
+    "prepare_actuation",
+    "wrist_mover",
+]

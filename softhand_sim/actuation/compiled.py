@@ -10,10 +10,10 @@ import numpy.typing as npt
 from softhand_sim.actuation.kernel import AT_TICK, NO_VOLUME, TIME_TOLERANCE_S, advance_hands
 from softhand_sim.actuation.layout import GAS, GIVEN, SET, hand_record, world_dtype
 from softhand_sim.actuation.native import EngineGuard
-from softhand_sim.actuation.parts import EngineArrays, HandParts
+from softhand_sim.actuation.parts import Course, EngineArrays, HandParts
 from softhand_sim.actuation.run import FAILED, run_world
 from softhand_sim.actuation.switching import command_onoff, read_sensors, switch_valves
-from softhand_sim.compiling import compile_for, loaded
+from softhand_sim.compiling import loaded
 from softhand_sim.control.onoff import OnOffController
 from softhand_sim.control.protocol import ValveCommand, checked_answer
 from softhand_sim.losses import LossState
@@ -42,21 +42,18 @@ class CompiledActuation:
         self._worlds["source"] = SET if system is None else GAS
         self._worlds["waiting"] = math.inf
         self._noise = NumberedNoise()
-        self._run_world: Callable[..., tuple[int, int]] | None = None
-        self._compile()
+        self._codes: dict[Any, Callable[..., Any]] = {}
         self._pressure: Vector = self._worlds["gas"][:, GAS_PRESSURE, :MANIFOLDS]
         self._reading: Vector = self._worlds["reading"]
         self._open: npt.NDArray[np.uint8] = self._worlds["open"]
         self.set_pa_gauge: Vector = self._worlds["set"]
         self.pressure_pa_gauge: Vector = self._worlds["pressure"]
 
-    def _compile(self) -> None:
-        due, noise = np.zeros(0, dtype=np.int64), np.zeros((0, 3))
-        compile_for(advance_hands, *self._arguments(0.0, begins=True))
-        compile_for(read_sensors, self._elements, self._hands, self._worlds, due, noise)
-        if self._hand.pneumatics is not None and type(self._hand.pneumatics.controller) is OnOffController:
-            compile_for(command_onoff, self._hands, self._worlds, due)
-        compile_for(switch_valves, self._hands, self._worlds, due)
+    def _call(self, kernel: Any, *arguments: Any) -> Any:
+        """Call an entry, whose arguments have the same types every time."""
+        if kernel not in self._codes:
+            self._codes[kernel] = loaded(kernel, *arguments)
+        return self._codes[kernel](*arguments)
 
     def _arguments(self, dt: float, *, begins: bool) -> tuple[Any, ...]:
         e = self._engine
@@ -75,7 +72,7 @@ class CompiledActuation:
         """Advance every world: one call of the kernel, and one more for each control tick."""
         begins = True
         while True:
-            waiting = advance_hands(*self._arguments(dt, begins=begins))
+            waiting = self._call(advance_hands, *self._arguments(dt, begins=begins))
             if waiting == 0:
                 return
             if waiting < 0:
@@ -84,33 +81,15 @@ class CompiledActuation:
                 self._tick(self._hand.pneumatics)
             begins = False
 
-    def run(self, guard: EngineGuard, wrist: Vector, limits: Vector, dt: float, steps: int) -> None:
-        """Take steps of the only world: wrist, actuation and the engine's step, with as little Python as may be.
-
-        Parameters
-        ----------
-        guard
-            Of the world whose arrays these are.
-        wrist, limits
-            As in `run_world`; the reference is moved.
-        dt, steps
-            Time step [s], and how many.
-
-        Raises
-        ------
-        ValueError
-            As `step`.
-        mujoco.FatalError
-            If the engine fails.
-        """
+    def run(self, guard: EngineGuard, course: Course, dt: float, steps: int) -> None:
+        """Take steps of the only world, with as little Python as may be: a `Runner` of the guard's world."""
         begins = True
         while steps > 0:
             e, noise = self._engine, self._noise_ahead(dt * steps)
-            arguments = (guard.words, self._elements, self._hands, self._worlds, self._receiver)
-            arguments += (e.ten_length, e.qpos, e.ctrl, wrist, limits, noise, dt, steps, begins)
-            # looking the types up at every call takes half as long as a step of the engine
-            self._run_world = self._run_world or loaded(run_world, *arguments)
-            done, why = self._run_world(*arguments)
+            state = (guard.words, self._elements, self._hands, self._worlds, self._receiver)
+            beside = (course.wrist, course.limits, course.extremes, course.clock)
+            arguments = (*state, e.ten_length, e.qpos, e.ctrl, *beside, noise, dt, steps, begins)
+            done, why = self._call(run_world, *arguments)
             steps -= done
             if why == FAILED:
                 guard.raise_error()
@@ -206,15 +185,15 @@ class CompiledActuation:
         if system.sensor is not None:
             for m, (seed, number) in enumerate(zip(worlds["noise_seed"][due], worlds["ticks"][due], strict=True)):
                 noise[m] = self._noise.draw(int(seed), int(number), 3)
-        wrong = read_sensors(self._elements, self._hands, worlds, due, noise)
+        wrong = self._call(read_sensors, self._elements, self._hands, worlds, due, noise)
         if wrong >= 0:
             system.check_sets(worlds["set"][wrong].tolist())
         if type(system.controller) is OnOffController:
-            command_onoff(self._hands, worlds, due)
+            self._call(command_onoff, self._hands, worlds, due)
         else:
             for w in due:
                 self._ask(system, worlds[w])
-        switch_valves(self._hands, worlds, due)
+        self._call(switch_valves, self._hands, worlds, due)
 
     def _ask(self, system: PneumaticSystem, w: Any) -> None:
         """Ask a controller of one's own."""

@@ -21,8 +21,6 @@ from numba.extending import intrinsic
 
 from softhand_sim.compiling import callback, inner
 
-
-
 # choice: an empty world needs almost none; the default would be 13 MB for each hand
 _EMPTY = '<mujoco><size memory="16K"/></mujoco>'
 _WORD, _INT = ir.IntType(64), ir.IntType(32)
@@ -91,7 +89,7 @@ def _stepper() -> Any:
     return callback("void(intp, intp, int32, voidptr)", _step_given)
 
 
-def _step_given(model: Any, data: Any, number: Any, given: Any) -> None:
+def _step_given(_model: Any, _data: Any, _number: Any, given: Any) -> None:
     """``mjfBatchFunc``: step the world whose addresses are given instead of the batch's."""
     words = numba.carray(given, 3, np.int64)
     _call(words[0], words[1], words[2])
@@ -100,27 +98,27 @@ def _step_given(model: Any, data: Any, number: Any, given: Any) -> None:
 @intrinsic  # type: ignore[untyped-decorator]
 def _call(context: Any, function: Any, model: Any, data: Any) -> Any:
     """Call ``void function(model, data)``, all given by address."""
-    signature = types.void(types.intp, types.intp, types.intp)
+    del context, function, model, data
 
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    def generate(context: Any, builder: Any, _: Any, arguments: Any) -> Any:
         kind = ir.FunctionType(ir.VoidType(), [_WORD, _WORD]).as_pointer()
         builder.call(builder.inttoptr(arguments[0], kind), arguments[1:])
         return context.get_dummy_value()
 
-    return signature, generate
+    return types.void(types.intp, types.intp, types.intp), generate
 
 
 @intrinsic  # type: ignore[untyped-decorator]
 def _apply(context: Any, function: Any, batch: Any, stepper: Any, given: Any) -> Any:
     """Call ``mjb_apply(batch, NULL, 1, stepper, given, 0)``."""
-    signature = types.int32(types.intp, types.intp, types.intp, types.intp)
+    del context, function, batch, stepper, given
 
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    def generate(_: Any, builder: Any, __: Any, arguments: Any) -> Any:
         kind = ir.FunctionType(_INT, [_WORD, _WORD, _INT, _WORD, _WORD, _INT]).as_pointer()
         rest = [arguments[1], _WORD(0), _INT(1), arguments[2], arguments[3], _INT(0)]
         return builder.call(builder.inttoptr(arguments[0], kind), rest)
 
-    return signature, generate
+    return types.int32(types.intp, types.intp, types.intp, types.intp), generate
 
 
 @inner

@@ -8,7 +8,8 @@ import numpy.typing as npt
 from softhand_sim.actuation.kernel import AT_TICK, ENDED, NO_VOLUME, advance_world, move_wrists
 from softhand_sim.actuation.native import guarded_step
 from softhand_sim.actuation.switching import tick_onoff
-from softhand_sim.compiling import entry
+from softhand_sim.calibration.limits import HIGHEST, LOWEST, PRESSURES
+from softhand_sim.compiling import entry, inner
 from softhand_sim.pneumatics.compiled.layout import SCRATCH_SHAPE
 
 F64 = npt.NDArray[np.float64]
@@ -17,10 +18,24 @@ FAILED = NO_VOLUME + 1
 """Why `run_world` returns, beside `ENDED`, `AT_TICK` and `NO_VOLUME`: the engine raised an error."""
 
 
+@inner
+def _look(hand: Any, world: Any, qpos: F64, extremes: F64) -> None:
+    """`RangeWatch.look`; what is no number stays so."""
+    for k in range(world.set.shape[0]):
+        extremes[k] = np.maximum(extremes[k], world.set[k])
+    for i in range(world.pressure.shape[0]):
+        extremes[PRESSURES + i] = np.maximum(extremes[PRESSURES + i], world.pressure[i])
+        joints = hand.joint_qpos.shape[1]
+        for j in range(joints):
+            angle, k = qpos[hand.joint_qpos[i, j]], i * joints + j
+            extremes[HIGHEST + k] = np.maximum(extremes[HIGHEST + k], angle)
+            extremes[LOWEST + k] = np.minimum(extremes[LOWEST + k], angle)
+
+
 @entry
 def run_world(  # noqa: PLR0913, PLR0917 - a compiled function takes arrays, not objects
     words: npt.NDArray[np.int64], elements: Any, hands: Any, worlds: Any, receiver: F64, ten_length: F64, qpos: F64,
-    ctrl: F64, wrist: F64, limits: F64, noise: F64, dt: float, steps: int, begins: bool,
+    ctrl: F64, wrist: F64, limits: F64, extremes: F64, clock: F64, noise: F64, dt: float, steps: int, begins: bool,
 ) -> tuple[int, int]:  # fmt: skip
     """Take steps of the only world of the arrays, as far as control ticks can be done here.
 
@@ -32,6 +47,8 @@ def run_world(  # noqa: PLR0913, PLR0917 - a compiled function takes arrays, not
         As in `advance_hands`.
     wrist, limits
         The wrist's reference, which moves, and its target, (2, 1, 6); the longest move and turn of a step, (2,).
+    extremes, clock
+        Of a `RangeWatch`; the world's time, that of the next look, and the time between looks [s], (3,).
     noise
         Standard normal draws for the ON-OFF law's ticks to come, (m, 3); the first tick without is left to the caller.
     steps
@@ -65,4 +82,8 @@ def run_world(  # noqa: PLR0913, PLR0917 - a compiled function takes arrays, not
         begins = True
         if not guarded_step(words):
             return done, FAILED
+        clock[0] += dt
+        if clock[0] >= clock[1]:
+            _look(hand, world, qpos[0], extremes)
+            clock[1] = clock[0] + clock[2]
     return steps, ENDED
