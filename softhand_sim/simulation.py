@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softhand_sim.actuation import Course, EngineArrays, HandParts, Runner, engine_runner, prepare_actuation
-from softhand_sim.calibration import FingerCalibration
+from softhand_sim.calibration import JOINTS, FingerCalibration
 from softhand_sim.calibration.limits import CalibratedRange, RangeWatch
 from softhand_sim.hand.anatomy import HandAnatomy
 from softhand_sim.hand.index import HandIndex
@@ -70,6 +70,8 @@ class HandSimulation:
         self._run = engine_runner(self._actuation, self.model, self.data)
         speed, rate = self.anatomy.wrist_speed_m_per_s, self.anatomy.wrist_rate_rad_per_s
         self._wrist, self._limits = np.zeros((2, 1, 6)), np.array([speed * self.dt, rate * self.dt])
+        # compiled steps know three hinges a finger
+        self._looks_itself = self.index.joint_qpos.shape[1] == len(JOINTS)
         self._idle = self.pneumatics is None and not losses.any
 
     def reset(self, rng: np.random.Generator, wrist_pose: Vector) -> None:
@@ -94,15 +96,14 @@ class HandSimulation:
         while steps > 0:
             still = self._idle and self.wrist_arrived
             if still and self._played is None:
-                until_look = max(1, math.ceil((self._next_look_s - self.data.time) / self.dt - 1e-6))
-                taken = min(steps, until_look)
+                taken = min(steps, self._steps_to_look)
                 self.data.ctrl[self.index.wrist_ctrl] = self.wrist_reference
                 self._actuation.step(self.dt)
                 mujoco.mj_step(self.model, self.data, nstep=taken)
                 self._look()
             elif self._played is None and self._run is not None:
-                taken = steps
-                self._take(self._run, steps)
+                taken = steps if self._looks_itself else min(steps, self._steps_to_look)
+                self._take(self._run, taken)
             else:
                 taken = 1
                 self.step()
@@ -123,7 +124,8 @@ class HandSimulation:
 
     def _take(self, run: Runner, steps: int) -> None:
         """Take steps in compiled code."""
-        wrist, clock = self._wrist, np.array([self.data.time, self._next_look_s, RANGE_WATCH_S])
+        next_look_s = self._next_look_s if self._looks_itself else math.inf
+        wrist, clock = self._wrist, np.array([self.data.time, next_look_s, RANGE_WATCH_S])
         wrist[0, 0], wrist[1, 0] = self.wrist_reference, self.wrist_target
         course = Course(wrist=wrist, limits=self._limits, extremes=self.range_watch.extremes, clock=clock)
         try:
@@ -131,11 +133,18 @@ class HandSimulation:
         finally:
             # a new array: the old one may have been kept by somebody
             self.wrist_reference = wrist[0, 0].copy()
-            self._next_look_s = float(clock[1])
+            if self._looks_itself:
+                self._next_look_s = float(clock[1])
+            else:
+                self._look()
+
+    @property
+    def _steps_to_look(self) -> int:
+        return max(1, math.ceil((self._next_look_s - float(self.data.time)) / self.dt - 1e-6))
 
     def _look(self) -> None:
         if self.data.time >= self._next_look_s:
-            joints = self.data.qpos[self.index.joint_qpos]
+            joints = self.index.joint_angles_rad(self.data.qpos)
             self.range_watch.look(self._actuation.set_pa_gauge[0], self._actuation.pressure_pa_gauge[0], joints)
             self._next_look_s = self.data.time + RANGE_WATCH_S
 
