@@ -48,8 +48,8 @@ def run_world(  # noqa: PLR0913, PLR0917 - a compiled function takes arrays, not
     wrist, limits
         The wrist's reference, which moves, and its target, (2, 1, 6); the longest move and turn of a step, (2,).
     extremes, clock
-        Of a `RangeWatch`; the world's time, that of the next look (infinite where fingers have more than three hinges), and
-        the time between looks [s], (3,).
+        Of a `RangeWatch`; the world's time, that of the next look (never where fingers have more than three hinges),
+        and the time between looks [s], (3,).
     noise
         Standard normal draws for the ON-OFF law's ticks to come, (m, 3); the first tick without is left to the caller.
     steps
