@@ -17,6 +17,7 @@ from envs.episode import object_in_palm
 from envs.grasp import SoftHandGraspEnv
 from softhand_sim.checks import require_in
 from softhand_sim.grasp.choice.shipped import default_grasp
+from softhand_sim.guards.limits import Guards
 from softhand_sim.policy.reach import ACTIONS, SAMPLE_S, Reach, ReachSpec
 from softhand_sim.wrist import limited_step
 
@@ -25,6 +26,8 @@ Info = dict[str, Any]
 
 PRIVILEGED = 12
 """Values that only a critic may see."""
+APPROACH_M = 0.13
+"""Choice: from there the open fingers are clear of objects that lie 30 mm nearer than expected."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,7 +68,8 @@ class ReachEnv(gymnasium.Env[Vector, Any]):
 
     Reward: what the distance d [m] of the object's centre from the site `grasp` has gained in 1 - tanh(10 d); after
     the last decision and the lift, 1 times the share of the lift that the object gained, and 1 more if it moved in
-    the palm by less than 10 mm and 15 degrees meanwhile. The terms are choices. The episode terminates then;
+    the palm by less than 10 mm and 15 degrees meanwhile. The terms are choices. The episode terminates then, or lost
+    when a joint is bent so far past its stops that a trial's guard would end it (`softhand_sim.guards`).
     ``info["is_success"]`` is that of ``SoftHandGrasp-v0``, ``info["lifted"]`` whether 0.8 of the lift was gained.
 
     Parameters
@@ -86,8 +90,9 @@ class ReachEnv(gymnasium.Env[Vector, Any]):
         self._spec = spec or ReachSpec()
         self._lift, self._privileged = lift, privileged
         self.env = SoftHandGraspEnv(
-            action_mode="pressure", wrist=True, observation_mode="hardware", control_period_s=SAMPLE_S, **config
-        )
+            action_mode="pressure", wrist=True, observation_mode="hardware", control_period_s=SAMPLE_S,
+            approach_m=APPROACH_M, **config,
+        )  # fmt: skip
         size = self._spec.features + PRIVILEGED * privileged
         self.observation_space = spaces.Box(-np.inf, np.inf, (size,), dtype=np.float64)
         self.action_space = spaces.Box(-1.0, 1.0, (ACTIONS,), dtype=np.float32)
@@ -115,6 +120,9 @@ class ReachEnv(gymnasium.Env[Vector, Any]):
         """Carry out one decision, and the lift after the last one."""
         target, pressures = self._reach.decide(action)
         self._go(target, pressures, self._spec.samples)
+        past_stop_rad = self.env.episode.here.simulation.range_watch.farthest()[1]
+        if past_stop_rad > (Guards().past_stop_rad or np.inf):
+            self._lost, self._info = True, {**self._info, "is_success": False}
         near = self._nearness()
         reward, self._near = near - self._near, near
         if not (self._reach.over or self._lost):

@@ -50,9 +50,9 @@ class ReachSpec:
         If a value is out of range; the message names the field.
     """
 
-    decisions: int = 9
-    decision_s: float = 0.4
-    approach_decisions: int = 3
+    decisions: int = 10
+    decision_s: float = 0.48
+    approach_decisions: int = 4
     step_m: float = 0.03
     step_rad: float = 0.1
     reach_m: float = 0.08

@@ -13,7 +13,7 @@ from softhand_sim.policy.reach import ACTIONS, ReachSpec
 
 
 def write(path, forward):
-    spec = ReachSpec(decisions=3)
+    spec = ReachSpec(decisions=3, approach_decisions=1)
     bias = forward * np.eye(ACTIONS)[2]
     network = Network(weights=(np.zeros((ACTIONS, spec.features)),), biases=(bias,))
     path.write_bytes(dump_policy(Policy(network=network, spec=spec)))

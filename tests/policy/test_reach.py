@@ -1,11 +1,12 @@
 """Decisions of a policy: all zero is the script, the environment and a trial carry out the same, limits hold."""
 
 import dataclasses
+from typing import ClassVar
 
 import numpy as np
 import pytest
 
-from envs.reach import LiftSpec, ReachEnv
+from envs.reach import APPROACH_M, LiftSpec, ReachEnv
 from softhand_sim.grasp.protocol_file import load_protocol
 from softhand_sim.grasp.trial import prepare, run_trial
 from softhand_sim.grasp.verdict import Outcome
@@ -14,7 +15,7 @@ from softhand_sim.policy.network import Network
 from softhand_sim.policy.policy_file import Policy
 from softhand_sim.policy.reach import ACTIONS, Reach, ReachSpec
 
-SPEC = ReachSpec(decisions=8, approach_decisions=2)
+SPEC = ReachSpec(decisions=8, approach_decisions=3)
 
 
 def constant(action, spec=SPEC):
@@ -23,11 +24,22 @@ def constant(action, spec=SPEC):
     return Policy(network=Network(weights=(zero,), biases=(np.asarray(action, dtype=float),)), spec=spec)
 
 
+class Spy(Policy):
+    """A policy that always does the same and notes what it saw."""
+
+    seen: ClassVar[list] = []
+
+    def act(self, features):
+        self.seen.append(features)
+        return super().act(features)
+
+
 @pytest.fixture(scope="module")
 def setup(calibration):
     protocol = load_protocol("paper")
-    still = dataclasses.replace(protocol, offsets=dataclasses.replace(protocol.offsets, position_m=0.0, yaw_rad=0.0))
-    return prepare(make_object("apple"), calibration, protocol=still)
+    still = dataclasses.replace(protocol.offsets, position_m=0.0, yaw_rad=0.0)
+    protocol = dataclasses.replace(protocol, approach_m=APPROACH_M, offsets=still)
+    return prepare(make_object("apple"), calibration, protocol=protocol)
 
 
 def reach_of(setup, spec=SPEC):
@@ -42,8 +54,8 @@ def test_no_action_is_the_script(setup):
     for target, _ in steps:
         np.testing.assert_allclose(target, setup.plan.wrist_pose, atol=1e-9)
     pressures = np.array([pressure for _, pressure in steps])
-    assert (pressures[:2] == 0.0).all()
-    assert (pressures[2:] == 75e3).all()
+    assert (pressures[:3] == 0.0).all()
+    assert (pressures[3:] == 75e3).all()
 
 
 def test_actions_move_in_the_palms_frame_and_add_up_to_a_limit(setup):
@@ -86,8 +98,9 @@ def test_a_policy_that_does_nothing_holds_what_the_script_holds(setup):
 
 
 def test_environment_and_trial_carry_out_the_same(setup):
-    action = np.array([0.1, -0.1, 0.2, 0.05, 0.05, -0.05, -0.2, 0.1, 0.0])
+    action = np.array([0.05, -0.05, 0.05, 0.02, 0.02, -0.02, -0.2, 0.1, 0.0])
     trial = {}
+    spy = Spy(**vars(constant(action)))
 
     def watch(simulation):
         if not trial and simulation.data.time >= SPEC.decisions * SPEC.decision_s - 1e-6:
@@ -95,13 +108,19 @@ def test_environment_and_trial_carry_out_the_same(setup):
             trial["set"] = simulation.set_pressure_pa_gauge
             trial["place"] = simulation.data.body("object").xpos.copy()
 
-    run_trial(dataclasses.replace(setup, policy=constant(action)), 0, watch)
+    run_trial(dataclasses.replace(setup, policy=spy), 0, watch)
     env = ReachEnv(spec=SPEC, lift=LiftSpec(height_m=1e-3, hold_s=0.0), objects="apple", randomization="none")
-    seen, _ = env.reset(seed=0)
-    np.testing.assert_allclose(seen[:9], 0.0, atol=0.01)
+    seen = [env.reset(seed=0)[0]]
     for _ in range(SPEC.decisions):
-        _, _, over, _, _ = env.step(action)
+        now, _, over, _, _ = env.step(action)
+        seen.append(now)
     assert over
+    by_trial, by_env = np.array(spy.seen), np.array(seen[:-1])
+    # near a set pressure the valves' pulses follow the noise
+    np.testing.assert_allclose(by_trial[:, :3], by_env[:, :3], atol=0.05)
+    np.testing.assert_allclose(by_trial[:, 3:9].sum(axis=0), by_env[:, 3:9].sum(axis=0), atol=0.5)
+    np.testing.assert_allclose(by_trial[:, 9:], by_env[:, 9:], atol=5e-3)
+    assert by_trial[:, 3:9].max() > 0.9
     simulation = env.env.episode.here.simulation
     np.testing.assert_allclose(simulation.wrist_reference, trial["wrist"], atol=1e-9)
     np.testing.assert_allclose(simulation.set_pressure_pa_gauge, trial["set"], atol=1e-6)
@@ -110,6 +129,6 @@ def test_environment_and_trial_carry_out_the_same(setup):
 
 
 def test_bad_layouts_are_refused_by_name():
-    for name, value in (("decisions", 0), ("decision_s", 0.41), ("approach_decisions", 10), ("reach_m", 0.0)):
+    for name, value in (("decisions", 0), ("decision_s", 0.41), ("approach_decisions", 11), ("reach_m", 0.0)):
         with pytest.raises(ValueError, match=name):
             ReachSpec(**{name: value})
