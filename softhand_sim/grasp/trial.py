@@ -60,10 +60,11 @@ def prepare(
     tolerance: Tolerance | None = None,
     plan: GraspPlan | None = None,
     control: FingerCalibration | None = None,
+    links: int | None = None,
 ) -> TrialSetup:
     """Build the scene of an object; by default for the paper's protocol and with the object's `default_grasp`.
 
-    ``control`` is the calibration that the controller knows, where that is not the fingers' own. With a tolerance,
+    With ``links`` fingers are chains of that many hinges. ``control`` is the calibration that the controller knows, where that is not the fingers' own. With a tolerance,
     effects that the scene does not call for are left out (`choose`), and `TrialSetup.answers` says why.
     """
     protocol = protocol or load_protocol()
@@ -77,7 +78,7 @@ def prepare(
         attach_object(root, model)
         apply_to_contacts(effects, root)
 
-    scene = build_scene(calibration, engine=engine, add_object=add_object)
+    scene = build_scene(calibration, engine=engine, add_object=add_object, links=links)
     return TrialSetup(
         model=model,
         calibration=calibration,
