@@ -1,4 +1,4 @@
-"""The finger's ladder, closed form to reference finite elements: errors in angle, place and force of the tip, and cost."""
+"""The finger's ladder, closed form to reference finite elements: errors of the tip, and cost."""
 
 import time
 from collections.abc import Callable, Sequence
@@ -25,7 +25,7 @@ WALL_M = 40e-3
 
 @dataclass(frozen=True, kw_only=True)
 class Sweep:
-    """One rung's loading: tip angle [deg], place [m] and blocked force [N] at each pressure, and what the free sweep took.
+    """One rung's loading: tip angle [deg], place [m], blocked force [N] at each pressure; what the free sweep took.
 
     ``force_n`` is None where a rung has none; ``simulated_s`` None where time does not pass.
     """

@@ -79,7 +79,7 @@ def _hand(calibration: FingerCalibration, links: int) -> Callable[[], None]:
 
 
 def _contacts(count: int) -> Callable[[], None]:
-    """A plate on small spheres that stand on a plane, with the hand's contact and engine settings."""
+    """Return the step of a plate on small spheres on a plane, with the hand's contact and engine settings."""
     root = empty_root("plate", EngineSettings())
     settings = ContactSettings()
     touch = {"condim": settings.condim, "solref": settings.solref, "friction": settings.friction(settings.pad_friction)}

@@ -2,10 +2,11 @@
 
 import json
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from importlib.metadata import version
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import mujoco
@@ -14,8 +15,9 @@ import numpy.typing as npt
 
 from scripts import _cli
 from softhand_sim.calibration import FingerCalibration
+from softhand_sim.effects.bare import BareHand
 from softhand_sim.fidelity.fidelity import Fidelity
-from softhand_sim.fidelity.front import SCHEMA, SCHEMA_VERSION, share_within
+from softhand_sim.fidelity.front import SCHEMA, SCHEMA_VERSION, SHARE, share_within
 from softhand_sim.fidelity.points import DEFAULT_NAME, EFFECTS, FINEST_NAME, FULL_NAME, NUMERICS, SHAPES
 from softhand_sim.fidelity.scenes import BareScene, GraspScene, LadderScene, SceneFigures, draw_scenes, error
 from softhand_sim.grasp.stage import SAMPLE_S
@@ -26,20 +28,23 @@ ENGINE = "bare engine"
 ENGINE_STEPS = 10
 """The engine's steps from each state of the default run, which are 20 ms apart: as many as the run has there."""
 COMMAND = "scripts/accuracy_vs_time.py scene --points"
+_WARM = BareScene(hand=BareHand(set_angle_deg=(40.0, 40.0, 40.0), close_s=0.1, hold_s=0.1), seed=0)
+_SETTINGS = {**NUMERICS, **SHAPES}
 _STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 Row = dict[str, Any]
 
 
-def point_names() -> tuple[str, ...]:
-    """Return the names of all points."""
-    return (*NUMERICS, *SHAPES, *EFFECTS)
+GROUPS: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {"numerics": tuple(NUMERICS), "shapes": tuple(SHAPES), "effects": tuple(EFFECTS)}
+)
+"""Points by kind; each kind is measured on scenes of its own number, with the default and the engine among them."""
 
 
 def run_point(name: str, scene: LadderScene, calibration: FingerCalibration) -> SceneFigures:
     """Run one point on one scene."""
     if name in EFFECTS:
         return scene.run(calibration, Fidelity(), EFFECTS[name])
-    return scene.run(calibration, (NUMERICS | SHAPES)[name])
+    return scene.run(calibration, _SETTINGS[name])
 
 
 def base_of(name: str) -> str:
@@ -54,10 +59,12 @@ def measure(
     wanted = list(dict.fromkeys((*names, *(base_of(name) for name in names), DEFAULT_NAME)))
     drawn = draw_scenes(scenes, seed)
     rows = _read(kept, wanted, seed)
+    for _ in rows[:scenes]:
+        tick()
     rng = np.random.default_rng(seed + len(rows))
-    # numba compiles for each number of hinges: not a cost of the first scene
+    # kernels are compiled for each number of hinges: no cost of the first scene
     for name in wanted if len(rows) < scenes else ():
-        run_point(name, _warm(), calibration)
+        run_point(name, _WARM, calibration)
     for scene in drawn[len(rows) :]:
         runs = _runs(scene, wanted, calibration, rng)
         rows.append({"scene": scene.name, "grasp": isinstance(scene, GraspScene), "runs": runs})
@@ -73,10 +80,6 @@ def _read(kept: Path, wanted: Sequence[str], seed: int) -> list[Row]:
     if content.get("points") != list(wanted) or content.get("seed") != seed:
         raise ValueError(f"{kept}: holds other points or another seed; give another folder")
     return list(content["rows"])
-
-
-def _warm() -> LadderScene:
-    return next(scene for scene in draw_scenes(100, 0) if isinstance(scene, BareScene))
 
 
 def _runs(scene: LadderScene, names: Sequence[str], calibration: FingerCalibration, rng: np.random.Generator) -> Row:
@@ -114,24 +117,23 @@ def _engine(scene: GraspScene, calibration: FingerCalibration) -> Row:
     return {"processor_s": time.thread_time() - began, "simulated_s": len(states) * SAMPLE_S}
 
 
-def front(rows: Sequence[Row], names: Sequence[str], about: Row) -> Row:
-    """Return the contents of the front's file: errors and costs of every point over all scenes."""
-    rate = _rate(rows, ENGINE)
-    points = []
+def points(rows: Sequence[Row], names: Sequence[str]) -> list[Row]:
+    """Return errors and costs of points over all scenes, one row each, JSON ready."""
+    rate, found = _rate(rows, ENGINE), []
     for name in names:
         errors = [error(_figures(row, name), _figures(row, base_of(name))) for row in rows]
         angle, slip = [e.angle_deg for e in errors], [e.slip_m for e in errors]
-        creep = [e.creep_m_per_s for e in errors]
         held = [_figures(row, name).creep_m_per_s for row in rows if row["runs"][name]["verdict"] == "HELD"]
         point: Row = {
             "name": name,
-            "kind": "effects" if name in EFFECTS else "numerics" if name in NUMERICS else "shapes",
+            "kind": next(kind for kind, members in GROUPS.items() if name in members),
             "against": base_of(name),
+            "scenes": len(rows),
             "angle_error_deg": share_within(angle),
             "angle_error_median_deg": float(np.median(angle)),
             "slip_error_m": share_within(slip),
             "slip_error_median_m": float(np.median(slip)),
-            "creep_error_median_m_per_s": float(np.median(creep)),
+            "creep_error_median_m_per_s": float(np.median([e.creep_m_per_s for e in errors])),
             "held_creep_median_m_per_s": float(np.median(held)) if held else None,
             "flips": sum(e.flipped for e in errors),
             "cost_ratio": _rate(rows, name) / rate,
@@ -139,20 +141,19 @@ def front(rows: Sequence[Row], names: Sequence[str], about: Row) -> Row:
             "command": f'{COMMAND} "{name}"',
         }
         if name not in EFFECTS:
-            fidelity = (NUMERICS | SHAPES)[name].data()
+            fidelity = _SETTINGS[name].data()
             point["fidelity"] = {k: v for k, v in fidelity.items() if k not in ("measured", "auto_effects")}
-        points.append(point)
-    _add_error_bar(points)
-    return {
-        "schema": SCHEMA,
-        "schema_version": SCHEMA_VERSION,
-        **about,
-        "scenes": len(rows),
-        "grasps": sum(row["grasp"] for row in rows),
-        "engine_s_per_simulated_s": rate,
-        "points": points,
-        "versions": {name: version(name) for name in ("mujoco", "numpy", "softhand-sim")},
-    }
+        found.append(point)
+    _add_error_bar(found)
+    return found
+
+
+def front(found: Sequence[Row], seed: int) -> Row:
+    """Return the contents of the front's file."""
+    names = ("mujoco", "numpy", "softhand-sim")
+    versions = {name: version(name) for name in names}
+    about = {"schema": SCHEMA, "schema_version": SCHEMA_VERSION, "seed": seed, "share_within": SHARE}
+    return {**about, "points": list(found), "versions": versions}
 
 
 def _add_error_bar(points: list[Row]) -> None:

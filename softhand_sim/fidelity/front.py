@@ -1,4 +1,4 @@
-"""The measured front: what each setting misses and costs, read from a file and checked; the cheapest for a tolerance."""
+"""The measured front: what each setting misses and costs, read from a file; the cheapest one for a tolerance."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -52,7 +52,7 @@ class Front:
             best = min((m for _, m in self._measured()), key=lambda m: (m.angle_error_deg, m.slip_error_m))
             raise ValueError(
                 f"tolerance = {tolerance.angle_deg:g} degrees, {1e3 * tolerance.slip_m:g} mm: no measured setting is "
-                f"within it; the finest, {best.name}, has {best.angle_error_deg:.2g} degrees and "
+                f"within it; the best one, {best.name}, has {best.angle_error_deg:.2g} degrees and "
                 f"{1e3 * best.slip_error_m:.2g} mm"
             )
         return min(within, key=lambda pair: pair[0])[1]

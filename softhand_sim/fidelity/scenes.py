@@ -2,6 +2,7 @@
 
 import time
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 import numpy.typing as npt
@@ -176,14 +177,14 @@ def draw_scenes(count: int, seed: int) -> tuple[LadderScene, ...]:
     Scenes of two seeds have nothing in common but the objects' shapes.
     """
     rng, scenes = np.random.default_rng(seed), list[LadderScene]()
-    names = firm_objects()
+    names, made = firm_objects(), cache(make_object)
     for _ in range(count):
         trial = int(rng.integers(1 << 30))
         if rng.random() < BARE_SHARE:
             thumb, index, rest = rng.uniform(20.0, 95.0, size=3).tolist()
             scenes.append(BareScene(hand=BareHand(set_angle_deg=(thumb, index, rest), hold_s=HOLD_S), seed=trial))
             continue
-        model = make_object(str(rng.choice(names)))
+        model = made(str(rng.choice(names)))
         mass, friction = rng.uniform(*RATIO_RANGE, size=2).tolist()
         model = model.with_overrides(mass_kg=mass * model.mass_kg, friction=friction * model.friction)
         scenes.append(GraspScene(model=model, seed=trial))
