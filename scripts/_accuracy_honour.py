@@ -14,8 +14,11 @@ from softhand_sim.calibration import FingerCalibration
 from softhand_sim.effects.scene import Tolerance
 from softhand_sim.fidelity.fidelity import FINEST, HIGH_ACCURACY, Fidelity
 from softhand_sim.fidelity.front import Front
+from softhand_sim.fidelity.points import NUMERICS
 from softhand_sim.fidelity.scenes import LadderScene, SceneError, draw_scenes, error
 
+ALWAYS = ("0.5 ms, noslip 10", "1 ms, noslip 10", "2 ms", "4 ms", "5 ms", "8 ms")
+"""Points that run on every unseen scene whatever is picked: other tolerances and a new front cost no new runs."""
 UNSEEN_SEED = 1000
 """Added to the seed: scenes of the front are those of the seed itself."""
 Row = dict[str, Any]
@@ -73,7 +76,7 @@ def _rows(
     kept: Path,
     tick: Callable[[], None],
 ) -> list[Row]:
-    settings = {_key(fidelity): fidelity for fidelity in (HIGH_ACCURACY, *picked)}
+    settings = {_key(fidelity): fidelity for fidelity in (*(NUMERICS[name] for name in ALWAYS), *picked)}
     rows: list[Row] = []
     if kept.exists():
         content = json.loads(kept.read_text(encoding="utf-8"))

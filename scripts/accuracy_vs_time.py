@@ -26,7 +26,7 @@ EXAMPLES = """examples:
   accuracy_vs_time.py scene --points "1 ms" "4 ms" --scenes 4 --json out/two.json
 """
 PARTS = ("finger", "scene", "growth", "honour")
-TOLERANCES = "1,0.5 2,1 4,2"
+TOLERANCES = "1,0.5 2,1 3,1 4,2 6,2"
 
 
 def parser() -> _cli.Parser:
