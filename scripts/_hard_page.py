@@ -114,21 +114,30 @@ def _cell(row: dict[str, Any] | None) -> str:
 def _holding(held: Rows) -> list[str]:
     if not held:
         return []
+    names = [name for name in held[0] if isinstance(held[0][name], dict)]
     lines = [
         f"## Holding for {held[0]['hold_s'] / 60:g} minutes",
         "",
-        "Creep is the steady drift of the object in the hand over the second half; the cone's share is what the grasp "
-        "uses of its friction. Settings against creep: "
-        f"{held[0]['without_creep']['engine']['noslip_iterations']} noslip iterations instead of "
-        f"{held[0]['default']['engine']['noslip_iterations']}.",
+        "Creep is the steady drift of the object in the hand over the second half of the hold, slip the whole way since "
+        "the start of the lift; the cone's share is what the grasp uses of its friction at the end.",
         "",
-        "| object | default: creep, slip | against creep: creep, slip | cone's share |",
-        "|---|---|---|---|",
+    ]
+    for name in names:
+        engine = held[0][name]["engine"]
+        lines.append(
+            f"- {name.replace('_', ' ')}: time step {1e3 * engine['timestep_s']:g} ms, "
+            f"{engine['noslip_iterations']} noslip iterations, impratio {engine['impratio']:g}"
+        )
+    lines += [
+        "",
+        f"| object | {' | '.join(name.replace('_', ' ') for name in names)} |",
+        "|" + "---|" * (1 + len(names)),
     ]
     for one in held:
         cells = [
-            f"{1e6 * one[name]['creep_m_per_s']:.2f} um/s, {1e3 * one[name]['slip_m']:.2f} mm"
-            for name in ("default", "without_creep")
+            f"{one[name]['outcome']}, {1e6 * one[name]['creep_m_per_s']:.2f} um/s, {1e3 * one[name]['slip_m']:.2f} mm, "
+            f"{one[name]['cone_share']:.0%} of the cone"
+            for name in names
         ]
-        lines.append(f"| {one['object']} | {' | '.join(cells)} | {one['without_creep']['cone_share']:.0%} |")
+        lines.append(f"| {one['object']} | {' | '.join(cells)} |")
     return [*lines, ""]

@@ -24,6 +24,7 @@ from fea.stability.cases import SOLID_CASES
 from scripts import _cli
 from scripts._hard_page import DESCRIBED, draw, page
 from softhand_sim.calibration import load_calibration
+from softhand_sim.fidelity.fidelity import HIGH_ACCURACY
 from softhand_sim.hand.scene import EngineSettings
 from softhand_sim.objects.catalogue import make_object
 from softhand_sim.stability import hard_cases
@@ -38,6 +39,7 @@ EXAMPLES = """examples:
 """
 STEPS_MS = "0.25,0.5,1,2,4,8"
 SILENT = ("wrong", "diverged")
+PRESETS = {"default": EngineSettings(), "high_accuracy": HIGH_ACCURACY.engine, "without_creep": WITHOUT_CREEP}
 
 
 def parser() -> _cli.Parser:
@@ -163,7 +165,7 @@ def _order(names: Sequence[str]) -> Callable[[dict[str, Any]], tuple[int, float]
 def _held(model: Any, seed: int) -> dict[str, Any]:
     """Hold one object by default and with the settings against creep."""
     calibration, out = load_calibration(), {"object": model.name, "hold_s": HOLD_S}
-    for name, engine in (("default", EngineSettings()), ("without_creep", WITHOUT_CREEP)):
+    for name, engine in PRESETS.items():
         found = creep(model, calibration, engine, seed)
         out[name] = {**asdict(found), "outcome": found.outcome.value, "engine": asdict(engine)}
     return out
@@ -176,7 +178,7 @@ def _tell(rows: Sequence[dict[str, Any]], held: Sequence[dict[str, Any]]) -> Non
         if row["outcome"] in SILENT:
             print(f"    {row['detail']}")
     for one in held:
-        for name in ("default", "without_creep"):
+        for name in PRESETS:
             found = one[name]
             print(
                 f"{one['object']}, {name.replace('_', ' ')}: {found['outcome']}, creep "
