@@ -118,7 +118,7 @@ def _holding(held: Rows) -> list[str]:
     lines = [
         f"## Holding for {held[0]['hold_s'] / 60:g} minutes",
         "",
-        "Creep is the steady drift of the object in the hand over the second half of the hold, slip the whole way since "
+        "Creep is the steady drift of the object in the hand over the second half of the hold, slip the way since "
         "the start of the lift; the cone's share is what the grasp uses of its friction at the end.",
         "",
     ]

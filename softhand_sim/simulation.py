@@ -29,7 +29,7 @@ _BAD = (
     mujoco.mjtWarning.mjWARN_BADCTRL,
 )
 INSTABILITY = tuple(int(kind) for kind in _BAD)
-"""Numbers of the warnings that mean a diverged world: values that are no numbers; the engine replaces them and goes on."""
+"""Numbers of the warnings that mean a diverged world: values that are no numbers, replaced by the engine."""
 
 
 def default_pneumatics(calibration: FingerCalibration) -> PneumaticSystem:
