@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 from mujoco import rollout
 
-from softhand_sim.calibration import FingerCalibration
+from softhand_sim.calibration import JOINT_RANGE_RAD, FingerCalibration
 from softhand_sim.effects import BENCH
 from softhand_sim.effects.build import TICK_S
 from softhand_sim.effects.rehearsal import rehearse
@@ -44,6 +44,9 @@ LOADING_S = 0.8
 # choice: a hand that has to be pressed onto object or table with more than this does not count as having come in; it
 # would force a can between the fingers' bases with all the strength of the arm
 PRESS_N = 10.0
+# choice: a hold that a joint's stop carries is refused: a finger bent back is not calibrated, and where it would stop is
+# not known; one that touches the stop for a moment is not
+STOPPED_SHARE = 0.25
 # choice: held pressures end up to a pulse, 2 kPa, below the set ones; an apple that is drawn in still moves when the
 # last finger has filled
 FILLED = 0.97
@@ -79,7 +82,8 @@ class Closing:
         """Return the load that each plan holds for each displacement of the object, shape (plans, offsets).
 
         In shares of the object's weight: the load at which slip or tilt passes its limit, `LAST_LOAD` if neither does,
-        0 for a start in which the hand overlaps object or table, or if it must be pressed to its pose.
+        0 for a start in which the hand overlaps object or table, if it must be pressed to its pose, or if the stop of a
+        joint that is bent back carries the load.
 
         Parameters
         ----------
@@ -149,7 +153,13 @@ class Closing:
             ends = self._run(states[rest, -1], lifting[rest, -len(load) :])
             lost = self._lost(ends, marks, hand)
             result[rest] = np.append(load, LAST_LOAD)[lost]
+            result[rest[self._on_a_stop(ends, hand)]] = 0.0
         return np.asarray(result)
+
+    def _on_a_stop(self, states: Vector, hand: HandIndex) -> npt.NDArray[np.bool_]:
+        """Return in which worlds, (n,), a joint rests on its lower stop in more than `STOPPED_SHARE` of the states."""
+        bent = states[:, :, 1 + hand.joint_qpos.ravel()].min(axis=2)
+        return np.asarray((bent <= JOINT_RANGE_RAD[0]).mean(axis=1) > STOPPED_SHARE)
 
     def _run(self, starts: Vector, controls: Vector) -> Vector:
         """Return the states, shape (worlds, steps, n), that controls lead to."""
