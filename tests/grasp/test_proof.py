@@ -25,7 +25,7 @@ def elsewhere():
 
 def test_a_grasp_that_closes_on_air_loses_against_the_scripted_one(monkeypatch, calibration, elsewhere):
     monkeypatch.setattr(proof, "TRIALS", 2)
-    result = proven(elsewhere, BALL, calibration, load_protocol())
+    result = proven([elsewhere], BALL, calibration, load_protocol())
     assert (result.found_held, result.scripted_held) == (0, 2)
     assert result.kept == KeptGrasp(plan=rounded(plan_grasp(BALL)), closings=100)
 
@@ -36,13 +36,12 @@ def test_the_found_grasp_stays_unless_the_scripted_one_holds_more(
 ):
     counts = {elsewhere.plan: found, rounded(plan_grasp(BALL)): scripted}
     monkeypatch.setattr(proof, "held", lambda plan, *_: counts[plan])
-    assert (proven(elsewhere, BALL, calibration, load_protocol()).kept is elsewhere) == stays
+    assert (proven([elsewhere], BALL, calibration, load_protocol()).kept is elsewhere) == stays
 
 
 def test_trials_are_those_of_their_own_seeds(monkeypatch, calibration):
     seen = []
     monkeypatch.setattr(proof, "run_trial", lambda setup, seed: seen.append(seed) or run_trial(setup, 0))
-    monkeypatch.setattr(proof, "TRIALS", 2)
-    assert held(plan_grasp(BALL), BALL, calibration, load_protocol()) == 2
+    assert held(plan_grasp(BALL), BALL, calibration, load_protocol(), 2) == 2
     assert seen == [FIRST_SEED, FIRST_SEED + 1]
     assert TRIALS >= 10

@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from softhand_sim.calibration import FingerCalibration
 from softhand_sim.grasp.choice.candidates import JITTER_M, JITTER_RAD, candidates, set_angles_deg, some
-from softhand_sim.grasp.choice.closing import ENGINE, Closing
+from softhand_sim.grasp.choice.closing import ENGINE, Closing, lift_of
 from softhand_sim.grasp.place import Offset
 from softhand_sim.grasp.plan import GraspPlan
 from softhand_sim.grasp.protocol import GraspProtocol, Offsets
@@ -33,7 +33,7 @@ GOOD_ENOUGH = 0.9
 # choice: what does not even lift most of the weight without any displacement is not made better by variations
 HOPELESS = 0.45
 # choice: shares of the budget that are spent when candidates have been closed once, in blocks, and when they have been
-# varied, a brood at a time; and for the first closings of the better candidates beside their place; the rest is for the last
+# varied, a brood at a time; and for the first closings of the better candidates beside their place
 SCREENED, SEEDED, VARIED = 0.4, 0.12, 0.85
 BLOCK, BROOD = 24, 8
 # choice: variations keep near by the end, so that a larger budget goes on to finer steps
@@ -119,7 +119,8 @@ def search_grasp(
             # enough without displacement says little here
             break
     if found[0].score < HOPELESS:
-        return SearchResult(grasps=tuple(found), closings=field.spent)
+        # none is worth a trial more than another
+        return SearchResult(grasps=(found[0],), closings=field.spent)
     count = max(PARENTS, round(SEEDED * budget) // FEW)
     found = field.closed([grasp.plan for grasp in found[:count]], few, LESS_HASTE)
     first = field.spent
@@ -144,6 +145,7 @@ def closing_of(
         rest_height_m=model.rest_height_m,
         protocol=protocol,
         anatomy=anatomy,
+        lift_m=lift_of(model, protocol.thresholds),
     )
 
 
