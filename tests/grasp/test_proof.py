@@ -45,3 +45,23 @@ def test_trials_are_those_of_their_own_seeds(monkeypatch, calibration):
     assert held(plan_grasp(BALL), BALL, calibration, load_protocol(), 2) == 2
     assert seen == [FIRST_SEED, FIRST_SEED + 1]
     assert TRIALS >= 10
+
+
+def test_full_trials_pick_among_several_found_grasps(monkeypatch, calibration, elsewhere):
+    """The third by score holds most in the heats; of two that hold as much, the one that scored better is kept."""
+    higher = [
+        replace(elsewhere, plan=replace(elsewhere.plan, wrist_pose=(0.0, 0.0, 0.2 + 0.01 * k, 0.0, 0.0, 0.0)))
+        for k in range(4)
+    ]
+    heats = dict(zip((one.plan for one in higher), (1, 0, 5, 5), strict=True))
+    seen = []
+
+    def counted(plan, *_, trials=None):
+        seen.append(plan)
+        return heats.get(plan, 0) + (0 if trials == proof.HEATS else 10)
+
+    monkeypatch.setattr(proof, "held", lambda plan, *rest: counted(plan, *rest[:-1], trials=rest[-1]))
+    result = proven(higher, BALL, calibration, load_protocol())
+    assert result.kept is higher[2]
+    assert (result.found_held, result.scripted_held) == (15, 10)
+    assert len(seen) == len(higher) + 2
