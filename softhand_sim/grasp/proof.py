@@ -14,8 +14,8 @@ from softhand_sim.objects.model import ObjectModel
 
 TRIALS = 20
 """Choice: tells grasps apart that differ by a quarter; costs as much as the search."""
-HEATS = 6
-"""Choice: trials by which one of several found grasps is picked."""
+HEATS, FINALISTS = 6, 3
+"""Choices: trials that each of several found grasps gets, and how many of them get all trials."""
 FIRST_SEED = 1_000_000
 """Choice: far from the seeds of anybody's run, so that no run is of the trials that its grasp was chosen by."""
 
@@ -35,23 +35,28 @@ def proven(
     """Return the best of the found grasps, or the scripted one if that holds in more trials.
 
     Closings have no noise of the sensors, no friction in the fingers and a larger time step; scores that are close say
-    little about trials. One of several found grasps is picked by `HEATS` trials, of equals the one with the best score.
+    little about trials. Those of several found grasps that hold most of `HEATS` trials get all of them; of equals the
+    one with the better score is kept.
     """
-    best = found[0]
-    if len(found) > 1:
-        heats = [held(one.plan, model, calibration, protocol, HEATS) for one in found]
-        best = found[heats.index(max(heats))]
+
+    def holds(plan: GraspPlan, trials: range) -> int:
+        return held(plan, model, calibration, protocol, trials)
+
     scripted = rounded(plan_grasp(model))
-    found_held = held(best.plan, model, calibration, protocol, TRIALS)
-    same = scripted == best.plan
-    scripted_held = found_held if same else held(scripted, model, calibration, protocol, TRIALS)
+    heats = [holds(one.plan, range(HEATS)) if len(found) > 1 else 0 for one in found]
+    begun = HEATS if len(found) > 1 else 0
+    finalists = sorted(range(len(found)), key=lambda k: -heats[k])[:FINALISTS]
+    full = [heats[k] + holds(found[k].plan, range(begun, TRIALS)) for k in finalists]
+    found_held = max(full)
+    best = found[finalists[full.index(found_held)]]
+    scripted_held = found_held if scripted == best.plan else holds(scripted, range(TRIALS))
     kept = KeptGrasp(plan=scripted, closings=best.closings) if scripted_held > found_held else best
     return ProvenGrasp(kept=kept, found_held=found_held, scripted_held=scripted_held)
 
 
 def held(
-    plan: GraspPlan, model: ObjectModel, calibration: FingerCalibration, protocol: GraspProtocol, trials: int
+    plan: GraspPlan, model: ObjectModel, calibration: FingerCalibration, protocol: GraspProtocol, trials: range
 ) -> int:
-    """Return in how many of so many trials a grasp holds."""
+    """Return in how many of some trials, by their numbers from 0, a grasp holds."""
     setup = prepare(model, calibration, protocol=protocol, plan=plan)
-    return sum(run_trial(setup, FIRST_SEED + k).outcome is Outcome.HELD for k in range(trials))
+    return sum(run_trial(setup, FIRST_SEED + k).outcome is Outcome.HELD for k in trials)

@@ -42,26 +42,28 @@ def test_the_found_grasp_stays_unless_the_scripted_one_holds_more(
 def test_trials_are_those_of_their_own_seeds(monkeypatch, calibration):
     seen = []
     monkeypatch.setattr(proof, "run_trial", lambda setup, seed: seen.append(seed) or run_trial(setup, 0))
-    assert held(plan_grasp(BALL), BALL, calibration, load_protocol(), 2) == 2
+    assert held(plan_grasp(BALL), BALL, calibration, load_protocol(), range(2)) == 2
     assert seen == [FIRST_SEED, FIRST_SEED + 1]
     assert TRIALS >= 10
 
 
 def test_full_trials_pick_among_several_found_grasps(monkeypatch, calibration, elsewhere):
-    """The third by score holds most in the heats; of two that hold as much, the one that scored better is kept."""
-    higher = [
+    """The three that hold most in the heats get all trials; of equals the better score is kept."""
+    found = [
         replace(elsewhere, plan=replace(elsewhere.plan, wrist_pose=(0.0, 0.0, 0.2 + 0.01 * k, 0.0, 0.0, 0.0)))
-        for k in range(4)
+        for k in range(5)
     ]
-    heats = dict(zip((one.plan for one in higher), (1, 0, 5, 5), strict=True))
-    seen = []
+    # how many of the first, and of the later trials each of them holds; the scripted grasp none
+    shares = {one.plan: share for one, share in zip(found, [(1, 9), (4, 9), (5, 9), (4, 10), (3, 14)], strict=True)}
+    tried = []
 
-    def counted(plan, *_, trials=None):
-        seen.append(plan)
-        return heats.get(plan, 0) + (0 if trials == proof.HEATS else 10)
+    def counted(plan, *rest):
+        trials = rest[-1]
+        tried.append((plan, trials))
+        return shares.get(plan, (0, 0))[trials.start > 0]
 
-    monkeypatch.setattr(proof, "held", lambda plan, *rest: counted(plan, *rest[:-1], trials=rest[-1]))
-    result = proven(higher, BALL, calibration, load_protocol())
-    assert result.kept is higher[2]
-    assert (result.found_held, result.scripted_held) == (15, 10)
-    assert len(seen) == len(higher) + 2
+    monkeypatch.setattr(proof, "held", counted)
+    result = proven(found, BALL, calibration, load_protocol())
+    assert result.kept is found[2]
+    assert (result.found_held, result.scripted_held) == (14, 0)
+    assert sum(len(trials) for _, trials in tried) == 5 * proof.HEATS + 3 * (TRIALS - proof.HEATS) + TRIALS
