@@ -20,7 +20,7 @@ bench: $(STAMP)
 	  --seed 0 --workers $(WORKERS) --json out/bench/grasps.json --pictures out/bench
 
 test: $(STAMP)
-	$(BIN)/pytest
+	$(BIN)/pytest --numprocesses $(WORKERS) --dist worksteal
 
 check: $(STAMP)
 	$(BIN)/ruff check .

@@ -18,11 +18,12 @@ from scripts import _cli
 from scripts._grasp_report import read_sweep, write_report
 from scripts._grasps import ChosenGrasp, add_grasps, check_search, choose_grasps, cost
 from scripts._objects import catalogue_names
+from scripts._replay import tell_repeat
 from softhand_sim.benchmark.halves import DEVELOPMENT, REPORT, half, held_in_halves
 from softhand_sim.benchmark.pictures import draw
 from softhand_sim.benchmark.plan import BenchmarkPlan
 from softhand_sim.benchmark.ray_engine import LOCAL
-from softhand_sim.benchmark.report import beyond_calibration, conditions, summarise, table, trial_rows
+from softhand_sim.benchmark.report import beyond_calibration, conditions, summarise, table, told_by_guards, trial_rows
 from softhand_sim.benchmark.runner import in_order, run_benchmark
 from softhand_sim.benchmark.step_check import StepCheck, compare, drawn, finer, repeat
 from softhand_sim.benchmark.store import TrialStore
@@ -50,6 +51,8 @@ EXAMPLES = """examples:
   grasp_benchmark.py --trials 10 --check-steps 300 --workers 2  # do verdicts depend on the time step?
   grasp_benchmark.py --trials 100 --engine ray --ray-address auto --workers 64 --store out/run.sqlite
   grasp_benchmark.py --trials 10 --report out/grasps.html --sweeps out/mass/sweep.json
+  grasp_benchmark.py --trials 5 --replays out/replays           # keep what a guard ends
+  grasp_benchmark.py --replay out/replays/tuna_can_paper_0_extrapolated.npz   # and repeat it from its saved state
 An object that cannot be loaded is set aside, the rest of the run goes on; the exit status is then 1.
 """
 
@@ -97,6 +100,9 @@ def parser() -> _cli.Parser:
     p.add_argument("--calibration", type=Path, help="finger calibration (default: the shipped one)")
     p.add_common(seed="seed of the first trial", json="write settings, summary and every trial to this file")
     p.add_argument("--report", type=Path, metavar="HTML", help="write a web page: table, films, histograms, provenance")
+    text = "folder for replay files of trials that a guard ends (docs/hard-cases.md)"
+    p.add_argument("--replays", type=Path, metavar="DIR", help=text)
+    p.add_argument("--replay", type=Path, metavar="FILE", help="run such a file again from its state, and nothing else")
     text = "results of grasp_sweep.py that the report shows"
     p.add_argument("--sweeps", type=Path, nargs="+", default=[], metavar="JSON", help=text)
     p.add_argument("--pictures", type=Path, default=Path("out/grasps"), help="folder (default out/grasps)")
@@ -112,6 +118,9 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _job(argv: Sequence[str] | None) -> int:
     args = parser().parse_args(argv)
     _cli.check_writable(args.json)
+    if args.replay is not None:
+        return tell_repeat(args.replay, args.json)
+    _cli.check_writable(args.replays and args.replays / "replay.npz", "--replays")
     _cli.check_writable(args.store, "--store")
     _cli.check_writable(args.report, "--report")
     if args.sweeps and args.report is None:
@@ -134,6 +143,7 @@ def _job(argv: Sequence[str] | None) -> int:
         calibration=args.calibration,
         protocol=args.protocol,
         grasps={name: grasp.kept.plan for name, grasp in grasps.items()},
+        replays=args.replays,
     )
     total = len(plan.objects) * plan.trials
     with nullcontext() if args.store is None else TrialStore(args.store, plan) as store:
@@ -170,6 +180,7 @@ def _tell(
 ) -> None:
     """Print the table and what belongs below it."""
     below = (
+        told_by_guards(results),
         beyond_calibration(results),
         conditions(plan.protocol),
         cost(grasps),

@@ -104,7 +104,7 @@ class HandBatch:
         self.engine.step()
         due = self._time >= self._next_look_s
         if due.any():
-            joints = self._qpos[:, self.index.joint_qpos]
+            joints = self.index.joint_angles_rad(self._qpos)
             self._watch.look(due, self.set_pressure_pa_gauge, self.actuation.pressure_pa_gauge, joints)
             self._next_look_s[due] = self._time[due] + RANGE_WATCH_S
 

@@ -112,7 +112,7 @@ class HandSimulation:
 
     def _look(self) -> None:
         if self.data.time >= self._next_look_s:
-            joints = self.data.qpos[self.index.joint_qpos]
+            joints = self.index.joint_angles_rad(self.data.qpos)
             self.range_watch.look(self._actuation.set_pa_gauge[0], self._actuation.pressure_pa_gauge[0], joints)
             self._next_look_s = self.data.time + RANGE_WATCH_S
 

@@ -11,13 +11,13 @@ from softhand_sim.control.onoff import OnOffController
 from softhand_sim.elements import ELEMENT_OF_FINGER, FINGERS
 from softhand_sim.pneumatics.compiled.layout import GAS_SHAPE, orifice_row
 
-_FINGERS, _JOINTS = len(FINGERS), 3
+_FINGERS = len(FINGERS)
 GAS, SET, GIVEN = range(3)
 """Where the fingers' pressures come from: the gas, the set pressures at once, or recorded ones."""
 
 
-def hand_dtype(branches: int) -> np.dtype[Any]:
-    """Return the record of what all worlds share; ``branches`` of relaxation, 0 for none."""
+def hand_dtype(branches: int, hinges: int) -> np.dtype[Any]:
+    """Return the record of what all worlds share; ``branches`` of relaxation, 0 for none, ``hinges`` of a finger."""
     floats: tuple[str, ...] = (
         "volume",
         "area",
@@ -44,7 +44,7 @@ def hand_dtype(branches: int) -> np.dtype[Any]:
             ("straight", "f8", _FINGERS),
             ("highest_set", "f8", 3),
             *((name, "i8", _FINGERS) for name in ("tendon", "pressure_ctrl", "loss_ctrl", "element")),
-            ("joint_qpos", "i8", (_FINGERS, _JOINTS)),
+            ("joint_qpos", "i8", (_FINGERS, hinges)),
         ]
     )
 
@@ -80,7 +80,7 @@ def hand_record(hand: HandParts) -> npt.NDArray[np.void]:
     """Return what all worlds share, shape (1,)."""
     chamber, losses, index = hand.calibration.chamber, hand.losses, hand.index
     branches = 0 if losses.relaxation is None else len(losses.relaxation.time_s)
-    records = np.zeros(1, hand_dtype(branches))
+    records = np.zeros(1, hand_dtype(branches, index.joint_qpos.shape[1]))
     r = records[0]
     r["volume"], r["area"], r["area_slope"] = chamber.volume_m3, chamber.area_m2, chamber.area_slope_m
     if losses.sliding is not None:

@@ -60,10 +60,11 @@ def _schema(arrow: Any) -> Any:
     text, whole, number = arrow.string(), arrow.int64(), arrow.float64()
     return arrow.schema(
         {
-            **{name: text for name in ("object", "protocol", "outcome")},
+            **{name: text for name in ("object", "protocol", "outcome", "alarm", "replay")},
             **{name: whole for name in ("seed", "phases_run", "contacts")},
             **{name: number for name in (*_NUMBERS, "object_offset_x_m", "object_offset_y_m")},
             "links": arrow.list_(text),
+            "caveats": arrow.list_(text),
             "force_n": arrow.struct([(name, number) for name in (*FINGERS, "palm")]),
             "peak_pressure_pa_gauge": arrow.struct([(name, number) for name in ELEMENTS]),
             "engine_warnings": arrow.map_(text, whole),

@@ -39,6 +39,7 @@ class BenchmarkPlan:
     control: calibration file that set pressures are looked up in; None for that of the fingers.
     protocol, engine, effects: what a trial does, the engine's settings, and the effects of the scene.
     grasps: by the name of the object; the others get their `default_grasp`.
+    replays: folder for the replay files of trials that a guard ends.
     """
 
     objects: tuple[ObjectModel, ...]
@@ -50,6 +51,7 @@ class BenchmarkPlan:
     engine: EngineSettings = field(default_factory=EngineSettings)
     effects: Effects = BENCH
     grasps: Mapping[str, GraspPlan] = field(default_factory=dict)
+    replays: Path | None = None
 
     def __post_init__(self) -> None:
         names = [model.name for model in self.objects]
@@ -106,4 +108,4 @@ def run_shard(plan: BenchmarkPlan, shard: Shard, last: TrialSetup | None) -> tup
     `last` is that of the shard before: it serves again if the object is the same (names are unique within a plan).
     """
     setup = last if last is not None and last.model.name == shard.model.name else prepare_for(plan, shard.model)
-    return setup, (run_trial(setup, seed) for seed in shard.seeds)
+    return setup, (run_trial(setup, seed, replays=plan.replays) for seed in shard.seeds)

@@ -34,7 +34,7 @@ class RayWorker:
         """Run one trial; what trials of an object share is kept until the object changes."""
         if self._setup is None or self._setup.model.name != model.name:
             self._setup = prepare_for(self._plan, model)
-        return run_trial(self._setup, seed)
+        return run_trial(self._setup, seed, replays=self._plan.replays)
 
 
 @dataclass(kw_only=True)

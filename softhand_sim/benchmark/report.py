@@ -112,6 +112,16 @@ def beyond_calibration(results: Sequence[TrialResult]) -> str:
     return "\n".join(lines)
 
 
+def told_by_guards(results: Sequence[TrialResult]) -> str:
+    """Return a line for each caveat of the run, and one for each trial that a guard ended; empty if there is none."""
+    lines = [f"not verified: {line}" for line in dict.fromkeys(line for r in results for line in r.caveats)]
+    for result in results:
+        if result.alarm:
+            again = f" (repeat: --replay {result.replay})" if result.replay else ""
+            lines.append(f"ended by a guard: {result.object}, seed {result.seed}: {result.alarm}{again}")
+    return "\n".join(lines)
+
+
 def trial_rows(results: Sequence[TrialResult]) -> list[dict[str, Any]]:
     """Return the trials as JSON-ready rows."""
     return [{**asdict(result), "outcome": result.outcome.value} for result in results]

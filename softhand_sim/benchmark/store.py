@@ -165,4 +165,5 @@ def digest(model: ObjectModel, grasp: GraspPlan) -> str:
 def _result(row: dict[str, Any]) -> TrialResult:
     values = {field.name: row[field.name] for field in fields(TrialResult)}
     values |= {"outcome": Outcome(row["outcome"]), "links": tuple(row["links"])}
+    values |= {"caveats": tuple(row["caveats"])}
     return TrialResult(**{**values, "object_offset_m": tuple(row["object_offset_m"])})

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-from softhand_sim.calibration.parts import JOINTS
+from softhand_sim.calibration.parts import JOINT_RANGE_RAD, JOINTS
 from softhand_sim.calibration.reader import FingerCalibration
 from softhand_sim.elements import ELEMENTS, FINGERS
 
@@ -64,6 +64,12 @@ class RangeWatch:
             or self._low.min() < -ANGLE_MARGIN_RAD
             or (self._high > joint_rad + ANGLE_MARGIN_RAD).any()
         )
+
+    def farthest(self) -> tuple[float, float]:
+        """Return by how much a pressure [Pa] passed the calibrated one, and a joint [rad] its stops; 0 without."""
+        pressure = max(self._set.max(), self._pressure.max()) - self.limits.pressure_pa_gauge
+        angle = max(self._high.max() - JOINT_RANGE_RAD[1], JOINT_RANGE_RAD[0] - self._low.min())
+        return max(0.0, float(pressure)), max(0.0, float(angle))
 
     def beyond(self) -> dict[str, float]:
         """Return what went beyond the calibrated range: the extreme value (Pa gauge or rad) by name, none if empty."""

@@ -8,8 +8,10 @@ import numpy.typing as npt
 
 from softhand_sim.calibration import JOINTS, FingerCalibration
 from softhand_sim.contact import ContactSettings
+from softhand_sim.hand.chain import hinges, joint_angles
 from softhand_sim.hand.finger import add_finger
 from softhand_sim.hand.hand import add_defaults
+from softhand_sim.hand.index import chain_joints
 from softhand_sim.hand.scene import EngineSettings, compile_scene, empty_root
 from softhand_sim.losses import Losses
 from softhand_sim.relaxation import MaxwellBranch
@@ -29,7 +31,10 @@ _SENSOR = 2
 
 @dataclass(frozen=True, kw_only=True)
 class Reading:
-    """What the bench shows at rest; angles proximal to distal."""
+    """What the bench shows at rest; angles proximal to distal, (3,); the tip's place towards the palm side and along z.
+
+    Both are of the end plate's outer centre.
+    """
 
     pressure_pa_gauge: float
     tip_load_n: float
@@ -37,6 +42,7 @@ class Reading:
     elongation_m: float
     volume_m3: float
     tip_displacement_m: float
+    tip_position_m: tuple[float, float]
     wall_force_n: float
 
     @property
@@ -61,6 +67,10 @@ class Bench:
         Branches of the wall's relaxation, none by default.
     relief
         Relief at the proximal joint, none by default.
+    links
+        Hinges of a chain (`softhand_sim.hand.chain`) in place of the three joints.
+    timestep_s
+        Time step of the engine [s].
     """
 
     def __init__(
@@ -71,13 +81,16 @@ class Bench:
         gravity_m_per_s2: tuple[float, float, float] = (0.0, 0.0, 0.0),
         relaxation: tuple[MaxwellBranch, ...] = (),
         relief: ProximalRelief | None = None,
+        links: int | None = None,
+        timestep_s: float = EngineSettings.timestep_s,
     ) -> None:
         self.calibration = calibration
-        self.model = _model(calibration, wall_distance_m)
+        self.model = _model(calibration, wall_distance_m, links, timestep_s)
         self.model.opt.gravity[:] = gravity_m_per_s2
         self.data = mujoco.MjData(self.model)
         self.losses = Losses.of(calibration, relaxation, relief)
-        model, names = self.model, [f"{NAME}_{joint}" for joint in JOINTS]
+        model, names = self.model, chain_joints(self.model, NAME)
+        self._chain = hinges(calibration, links)
         self.qpos = np.array([model.joint(name).qposadr[0] for name in names])
         self.tendon = model.tendon(f"{NAME}_actuator").id
         self._pressure_ctrl = model.actuator(f"{NAME}_pressure").id
@@ -116,7 +129,7 @@ class Bench:
         data = self.data
         data.ctrl[self._pressure_ctrl] = pressure_pa_gauge
         angle, dt = data.qpos[self.qpos][None], nstep * self.model.opt.timestep
-        elongation, bend = self.calibration.elongations_m(angle), np.abs(angle).sum(axis=1)
+        elongation, bend = self._elongations_m(angle), np.abs(angle).sum(axis=1)
         self._losses, force = self.losses.step(self._losses, elongation, bend, np.array([pressure_pa_gauge]), dt)
         data.ctrl[self._loss_ctrl] = force[0]
         if tip_load_n or self._load:
@@ -158,12 +171,19 @@ class Bench:
         return Reading(
             pressure_pa_gauge=self._pressure,
             tip_load_n=self._load,
-            joint_angle_rad=self.data.qpos[self.qpos].copy(),
+            joint_angle_rad=joint_angles(self.data.qpos[self.qpos], len(self.qpos) // len(JOINTS)),
             elongation_m=elongation,
             volume_m3=chamber.volume_m3_at(elongation + self.bulge_m) + chamber.bulging_m3_per_pa * self._pressure,
             tip_displacement_m=float(np.linalg.norm(self.data.site_xpos[self._tip] - self._tip_at_rest)),
+            tip_position_m=(float(self.data.site_xpos[self._tip][0]), float(self.data.site_xpos[self._tip][2])),
             wall_force_n=self._wall_force_n(),
         )
+
+    def _elongations_m(self, angle_rad: Vector) -> Vector:
+        if len(self._chain) == len(JOINTS):
+            return self.calibration.elongations_m(angle_rad)
+        each = [h.law.elongation_m_at(q) for h, q in zip(self._chain, angle_rad[0].tolist(), strict=True)]
+        return np.array([sum(each)])
 
     def _wall_force_n(self) -> float:
         total, force = 0.0, np.zeros(6)
@@ -173,18 +193,21 @@ class Bench:
         return total
 
 
-def _model(calibration: FingerCalibration, wall_distance_m: float | None) -> mujoco.MjModel:
+def _model(
+    calibration: FingerCalibration, wall_distance_m: float | None, links: int | None, timestep_s: float
+) -> mujoco.MjModel:
     """Return the bench's model: the finger of the hand on a body that does not move."""
-    root = empty_root("bench", EngineSettings(gravity_m_per_s2=0.0))
+    root = empty_root("bench", EngineSettings(timestep_s=timestep_s, gravity_m_per_s2=0.0))
     add_defaults(root, ContactSettings())
     base = root.worldbody.add("body", name=f"{NAME}_base")
-    distal = add_finger(base, NAME, calibration)[-1]
+    distal = add_finger(base, NAME, calibration, links)[-1]
     finger = calibration.finger
     for geom in root.find_all("geom"):
         geom.contype, geom.conaffinity = 0, 0
     if wall_distance_m is not None:
         touch = {"contype": _SENSOR, "conaffinity": _SENSOR, "condim": 1, "mass": 0.0}
-        edge = (finger.outer_radius_m - finger.hinge_offset_m, 0.0, finger.length_m - finger.joint_position_m[-1])
+        last = hinges(calibration, links)[-1].position_m
+        edge = (finger.outer_radius_m - finger.hinge_offset_m, 0.0, finger.length_m - last)
         distal.add("geom", name="edge", type="sphere", size=(_SENSOR_RADIUS_M,), pos=edge, **touch)
         place = (finger.outer_radius_m + wall_distance_m + _SENSOR_RADIUS_M, 0.0, 0.0)
         base.add("geom", name="wall", type="plane", size=(1, 1, 0.1), pos=place, zaxis=(-1, 0, 0), **touch)

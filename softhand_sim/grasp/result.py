@@ -9,6 +9,8 @@ from softhand_sim.elements import ELEMENTS, FINGERS
 from softhand_sim.grasp.protocol import GraspProtocol
 from softhand_sim.grasp.stage import SAMPLE_S, Stage
 from softhand_sim.grasp.verdict import Figures, Outcome, judge
+from softhand_sim.guards.caveats import caveats
+from softhand_sim.guards.limits import Alarm
 from softhand_sim.objects.model import ObjectModel
 
 
@@ -35,6 +37,9 @@ class TrialResult:
     beyond_calibration: what went beyond the calibrated range, and its extreme (`RangeWatch.beyond`).
     object_offset_m, object_offset_yaw_rad: displacement and turn of the object from where the hand expected it.
     simulated_s, wall_s: duration in simulated and in real time.
+    caveats: why the scene's settings leave the result unverified (`softhand_sim.guards.caveats`), a line each.
+    alarm: what a guard saw when it ended the trial (`softhand_sim.guards.limits.Alarm`), in a line; empty if none did.
+    replay: file that repeats the alarm, if one was asked for.
     """
 
     object: str
@@ -64,6 +69,9 @@ class TrialResult:
     object_offset_yaw_rad: float
     simulated_s: float
     wall_s: float
+    caveats: tuple[str, ...] = ()
+    alarm: str = ""
+    replay: str = ""
 
 
 def result_of(
@@ -75,8 +83,13 @@ def result_of(
     offset: tuple[float, float, float],
     phases_run: int,
     wall_s: float,
+    ended: tuple[Alarm | None, str],
 ) -> TrialResult:
-    """Judge a trial that has ended and put its record together."""
+    """Judge a trial that has ended and put its record together.
+
+    ``ended`` is the alarm of a guard, which is the outcome then, and the file that repeats it.
+    """
+    alarm, replay = ended
     simulation, recorder, thresholds = stage.simulation, stage.recorder, protocol.thresholds
     diverged = simulation.diverged
     slip, tilt = (0.0, 0.0) if diverged else recorder.slip_and_tilt(simulation)
@@ -102,7 +115,7 @@ def result_of(
         object=model.name,
         protocol=protocol.name,
         seed=seed,
-        outcome=outcome,
+        outcome=outcome if alarm is None else Outcome(alarm.kind.value),
         mass_kg=model.mass_kg,
         friction=model.friction,
         phases_run=phases_run,
@@ -126,6 +139,9 @@ def result_of(
         object_offset_yaw_rad=offset[2],
         simulated_s=float(simulation.data.time),
         wall_s=wall_s,
+        caveats=caveats(simulation.model),
+        alarm="" if alarm is None else alarm.text(),
+        replay=replay,
     )
 
 

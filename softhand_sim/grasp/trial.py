@@ -2,7 +2,8 @@
 
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,9 @@ from softhand_sim.grasp.record import Recorder
 from softhand_sim.grasp.result import TrialResult, result_of
 from softhand_sim.grasp.stage import SAMPLE_S, Stage
 from softhand_sim.grasp.verdict import Outcome
+from softhand_sim.guards.limits import Guards
+from softhand_sim.guards.replay import save_replay
+from softhand_sim.guards.watch import Watch
 from softhand_sim.hand.scene import EngineSettings, Scene, build_scene
 from softhand_sim.losses import Losses
 from softhand_sim.objects.mjcf import attach_object
@@ -36,7 +40,8 @@ STRESS_SEEDS, STRESS_MASS_RATIO = (900, 901, 902), 1.25
 class TrialSetup:
     """Everything that trials of one object share: built once, used for any number of seeds.
 
-    Set pressures are looked up in ``control``, the fingers' own calibration by default.
+    Set pressures are looked up in ``control``, the fingers' own calibration by default. ``guards`` end a trial that
+    can't be trusted.
     """
 
     model: ObjectModel
@@ -48,6 +53,7 @@ class TrialSetup:
     protocol: GraspProtocol
     answers: tuple[Answer, ...] = ()
     control: FingerCalibration | None = None
+    guards: Guards = field(default_factory=Guards)
 
 
 def prepare(
@@ -124,7 +130,12 @@ def survives_more_mass(
     return all(run_trial(setup, seed).outcome is Outcome.HELD for seed in seeds)
 
 
-def run_trial(setup: TrialSetup, seed: int, watch: Callable[[HandSimulation], None] | None = None) -> TrialResult:
+def run_trial(
+    setup: TrialSetup,
+    seed: int,
+    watch: Callable[[HandSimulation], None] | None = None,
+    replays: Path | None = None,
+) -> TrialResult:
     """Run one trial; the same setup and seed give the same result to the bit (but for `wall_s`).
 
     Parameters
@@ -132,6 +143,7 @@ def run_trial(setup: TrialSetup, seed: int, watch: Callable[[HandSimulation], No
     setup: scene, grasp, protocol.
     seed: of the object's offset and the sensors' noise, 0 or above.
     watch: called every 20 ms of simulated time, for pictures.
+    replays: folder that gets a replay file where a guard ends the trial (`softhand_sim.guards.replay`).
     """
     started = time.perf_counter()
     rng = np.random.default_rng(seed)
@@ -147,16 +159,16 @@ def run_trial(setup: TrialSetup, seed: int, watch: Callable[[HandSimulation], No
         mass_kg=setup.model.mass_kg,
         settle_s=setup.protocol.settle_s,
     )
+    guard = Watch(simulation=simulation, recorder=stage.recorder, limits=setup.guards)
     phases_run = 0
     for done, number in _commands(setup, stage):
         phases_run = number
-        while not done():
-            _advance(stage)
+        guard.keep()
+        while guard.alarm is None and not done():
+            _advance(stage, guard)
             if watch is not None:
                 watch(simulation)
-            if simulation.diverged:
-                break
-        if simulation.diverged:
+        if guard.alarm is not None:
             break
     return result_of(
         stage,
@@ -166,10 +178,25 @@ def run_trial(setup: TrialSetup, seed: int, watch: Callable[[HandSimulation], No
         offset=offset,
         phases_run=phases_run,
         wall_s=time.perf_counter() - started,
+        ended=(guard.alarm, _kept(setup, seed, guard, replays)),
     )
 
 
-def _advance(stage: Stage) -> None:
+def _kept(setup: TrialSetup, seed: int, guard: Watch, folder: Path | None) -> str:
+    """Write a replay file if a guard ended the trial; return its path, or why there is none."""
+    if guard.alarm is None or folder is None:
+        return ""
+    path = folder / f"{setup.model.name}_{setup.protocol.name}_{seed}_{guard.alarm.kind.value.lower()}.npz"
+    about = {"object": setup.model.name, "protocol": setup.protocol.name, "seed": seed}
+    try:
+        save_replay(path, guard, setup.scene.xml, about)
+    except (ValueError, OSError) as error:
+        # the trial's own result must not be lost with it
+        return f"none: {error}"
+    return str(path)
+
+
+def _advance(stage: Stage, guard: Watch) -> None:
     simulation = stage.simulation
     steps = max(1, round(SAMPLE_S / simulation.dt))
     if stage.drive is None:
@@ -177,8 +204,10 @@ def _advance(stage: Stage) -> None:
     else:
         for _ in range(steps):
             stage.drive()
+            guard.driven.append(simulation.wrist_reference)
             simulation.step()
     stage.recorder.sample(simulation)
+    guard.look()
 
 
 def _commands(setup: TrialSetup, stage: Stage) -> Iterator[tuple[Callable[[], bool], int]]:

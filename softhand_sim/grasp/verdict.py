@@ -14,11 +14,16 @@ class Outcome(StrEnum):
 
     HELD: still in the hand after the hold, slip and tilt below their thresholds.
     SLIPPED: still in the hand, but it moved more than that, or creeps faster than allowed.
-    PENETRATED: still in the hand, but sunk into it deeper than allowed: the hold is the contact model's.
+    PENETRATED: still in the hand, but sunk into it deeper than allowed: the hold is the contact model's. Or a guard
+        ended the trial because something sank too deep on the way.
     DROPPED: it left the table with the hand and was lost before the end.
     MISSED: it never left the table.
     CRASHED: the process that ran it died, twice.
     DIVERGED: the simulation became non-finite or the engine reported an instability.
+    UNBALANCED: a guard saw mechanical energy appear from nowhere.
+    EXTRAPOLATED: a guard saw a joint or a pressure far beyond what the finger was calibrated for.
+
+    The last three, and a guard's PENETRATED, are of `softhand_sim.guards`: there is no verdict on the grasp.
     """
 
     HELD = "HELD"
@@ -27,6 +32,8 @@ class Outcome(StrEnum):
     DROPPED = "DROPPED"
     MISSED = "MISSED"
     DIVERGED = "DIVERGED"
+    UNBALANCED = "UNBALANCED"
+    EXTRAPOLATED = "EXTRAPOLATED"
     CRASHED = "CRASHED"
 
 

@@ -6,6 +6,7 @@ import numpy as np
 from dm_control import mjcf
 
 from softhand_sim.calibration import JOINT_RANGE_RAD, FingerCalibration
+from softhand_sim.hand.chain import Hinge, hinges
 
 # choice: small beside a phalanx about its hinge (1e-6 kg m2); a study lost four of 18 grasps without it
 ARMATURE_KG_M2 = 1e-6
@@ -14,47 +15,56 @@ PAD_RADIUS_M = 0.005
 PAD_HEIGHT_M = 0.0016
 
 
-def phalanx_spans_m(calibration: FingerCalibration) -> list[tuple[float, float]]:
-    """Start and end of each moving phalanx along the straight finger, 3 pairs (m)."""
-    joints = list(calibration.finger.joint_position_m)
-    return list(zip(joints, [*joints[1:], calibration.finger.length_m], strict=True))
-
-
-def add_finger(palm: Any, name: str, calibration: FingerCalibration) -> list[Any]:
+def add_finger(palm: Any, name: str, calibration: FingerCalibration, links: int | None = None) -> list[Any]:
     """Add the three phalanges of a finger to the body `palm`, whose frame here is the finger's own.
 
     The hinges lie on the flexure's neutral line, ``hinge_offset_m`` to the palm side of the tube's axis, so a
-    rotation opens the dorsal gap as in the printed finger. Returns the three bodies, proximal first.
+    rotation opens the dorsal gap as in the printed finger. With ``links`` each joint is a chain of hinges (`chain`).
+    Returns the three phalanges, proximal first.
     """
     finger = calibration.finger
-    spans = phalanx_spans_m(calibration)
-    bodies, path = [], []
+    chain = hinges(calibration, links)
+    ends = [*(hinge.position_m for hinge in chain[1:]), finger.length_m]
+    phalanges, path = [], []
     parent, parent_start = palm, 0.0
-    for joint, (start, end) in zip(calibration.joints, spans, strict=True):
+    for hinge, end in zip(chain, ends, strict=True):
+        joint, start = hinge.law, hinge.position_m
         offset = finger.hinge_offset_m if parent is palm else 0.0
-        hinge = np.array([offset, 0.0, start - parent_start])
-        body = parent.add("body", name=f"{name}_{joint.name}", pos=hinge)
+        place = np.array([offset, 0.0, start - parent_start])
+        body = parent.add("body", name=f"{name}_{hinge.name}", pos=place)
         body.add(
             "joint",
-            name=f"{name}_{joint.name}",
+            name=f"{name}_{hinge.name}",
             type="hinge",
             axis=(0, 1, 0),
-            range=JOINT_RANGE_RAD,
+            range=tuple(limit * hinge.share for limit in JOINT_RANGE_RAD),
             stiffness=joint.polynomial,
             damping=joint.damping_n_m_s_per_rad,
             armature=ARMATURE_KG_M2,
         )
         mass = finger.mass_kg * (end - start) / finger.length_m
-        _add_phalanx_geoms(body, f"{name}_{joint.name}", end - start, mass, calibration)
+        if hinge.name == joint.name:
+            _add_phalanx_geoms(body, f"{name}_{hinge.name}", end - start, mass, calibration)
+            phalanges.append(body)
+        else:
+            _add_slice_inertia(body, end - start, mass, calibration)
         # the line between these two points is the tendon at this joint, with the arm r(q) of the calibration
         past = np.array([-joint.offset_m, 0.0, 2.0 * joint.offset_slope_m_per_rad])
-        path.append(parent.add("site", name=f"{name}_{joint.name}_from", dclass="tendon", pos=hinge + past))
-        path.append(body.add("site", name=f"{name}_{joint.name}_to", dclass="tendon", pos=past * (1.0, 0.0, -1.0)))
-        bodies.append(body)
+        path.append(parent.add("site", name=f"{name}_{hinge.name}_from", dclass="tendon", pos=place + past))
+        path.append(body.add("site", name=f"{name}_{hinge.name}_to", dclass="tendon", pos=past * (1.0, 0.0, -1.0)))
         parent, parent_start = body, start
-    bodies[-1].add("site", name=f"{name}_tip", pos=(-finger.hinge_offset_m, 0, spans[-1][1] - spans[-1][0]))
-    _add_actuator(palm.root, name, calibration, path)
-    return bodies
+    phalanges[-1].add("site", name=f"{name}_tip", pos=(-finger.hinge_offset_m, 0, ends[-1] - chain[-1].position_m))
+    _add_actuator(palm.root, name, calibration, path, chain)
+    return phalanges
+
+
+def _add_slice_inertia(body: Any, length_m: float, mass_kg: float, calibration: FingerCalibration) -> None:
+    """Mass of the slice of a flexure between two hinges, as a disc of the tube's radius; it has no shape."""
+    radius = calibration.finger.outer_radius_m
+    across = 0.25 * mass_kg * radius**2 + mass_kg * length_m**2 / 12.0
+    body.add(
+        "inertial", mass=mass_kg, pos=(0, 0, 0.5 * length_m), diaginertia=(across, across, 0.5 * mass_kg * radius**2)
+    )
 
 
 def _add_phalanx_geoms(body: Any, name: str, length_m: float, mass_kg: float, calibration: FingerCalibration) -> None:
@@ -83,15 +93,18 @@ def _add_phalanx_geoms(body: Any, name: str, length_m: float, mass_kg: float, ca
     )
 
 
-def straight_length_m(calibration: FingerCalibration) -> float:
-    """Return the length of the tendon's path when the finger is straight [m]: it goes back and forth at each joint."""
-    past = [2.0 * joint.offset_slope_m_per_rad for joint in calibration.joints]
-    offset = [joint.offset_m for joint in calibration.joints]
-    between = zip(np.diff(calibration.finger.joint_position_m), past[:-1], past[1:], np.diff(offset), strict=True)
+def straight_length_m(chain: tuple[Hinge, ...]) -> float:
+    """Return the length of the tendon's path when the finger is straight [m]: it goes back and forth at each hinge."""
+    past = [2.0 * hinge.law.offset_slope_m_per_rad for hinge in chain]
+    offset = [hinge.law.offset_m for hinge in chain]
+    spans = np.diff([hinge.position_m for hinge in chain])
+    between = zip(spans, past[:-1], past[1:], np.diff(offset), strict=True)
     return 2.0 * sum(past) + sum(float(np.hypot(span + a + b, step)) for span, a, b, step in between)
 
 
-def _add_actuator(root: mjcf.RootElement, name: str, calibration: FingerCalibration, path: list[Any]) -> None:
+def _add_actuator(
+    root: mjcf.RootElement, name: str, calibration: FingerCalibration, path: list[Any], chain: tuple[Hinge, ...]
+) -> None:
     """Tendon that is delta shorter than when straight, its wall spring N(delta), the pressure force p dV/d(delta).
 
     The polynomial is of the tendon's own change of length, -delta, hence the sign of its second coefficient; likewise
@@ -114,7 +127,7 @@ def _add_actuator(root: mjcf.RootElement, name: str, calibration: FingerCalibrat
         tendon=tendon,
         gear=(-1.0,),
         gaintype="affine",
-        gainprm=(chamber.area_m2 + chamber.area_slope_m * straight_length_m(calibration), chamber.area_slope_m, 0.0),
+        gainprm=(chamber.area_m2 + chamber.area_slope_m * straight_length_m(chain), chamber.area_slope_m, 0.0),
         biastype="none",
         ctrllimited=True,
         ctrlrange=(0.0, highest),

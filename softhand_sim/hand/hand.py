@@ -10,6 +10,7 @@ from softhand_sim.calibration import FingerCalibration
 from softhand_sim.contact import ContactSettings
 from softhand_sim.elements import FINGERS
 from softhand_sim.hand.anatomy import HandAnatomy
+from softhand_sim.hand.chain import hinges
 from softhand_sim.hand.finger import add_finger
 
 WRIST_SLIDES = ("wrist_x", "wrist_y", "wrist_z")
@@ -32,12 +33,16 @@ def add_hand(
     calibration: FingerCalibration,
     anatomy: HandAnatomy,
     contact: ContactSettings,
+    links: int | None = None,
 ) -> Any:
-    """Add the hand to `root`'s world and return its palm body (frame: x to the fingers, z out of the palm)."""
+    """Add the hand to `root`'s world and return its palm body (frame: x to the fingers, z out of the palm).
+
+    With ``links`` each finger is a chain of that many hinges (`softhand_sim.hand.chain`) in place of three.
+    """
     add_defaults(root, contact)
     palm = root.worldbody.add("body", name="palm", pos=(0, 0, START_HEIGHT_M), quat=PALM_DOWN)
     _add_wrist(root, palm, anatomy)
-    moving = sum(_phalanx_mass_kg(calibration) for _ in FINGERS)
+    moving = sum(_moving_mass_kg(calibration, links) for _ in FINGERS)
     palm_mass = anatomy.hand_mass_kg - moving
     if palm_mass <= 0.0:
         raise ValueError(
@@ -46,17 +51,19 @@ def add_hand(
     half = [0.5 * side for side in anatomy.palm_size_m]
     palm.add("geom", name="palm", dclass="palm", type="box", size=half, pos=(0, 0, -half[2]), mass=palm_mass)
     for name in FINGERS:
-        _add_mounted_finger(palm, name, calibration, anatomy)
+        _add_mounted_finger(palm, name, calibration, anatomy, links)
     palm.add("site", name="grasp", pos=(0.008, 0.0, 0.055), size=(0.003,), rgba=(0, 0, 0, 0))
     return palm
 
 
-def _phalanx_mass_kg(calibration: FingerCalibration) -> float:
+def _moving_mass_kg(calibration: FingerCalibration, links: int | None) -> float:
     finger = calibration.finger
-    return finger.mass_kg * (1.0 - finger.joint_position_m[0] / finger.length_m)
+    return finger.mass_kg * (1.0 - hinges(calibration, links)[0].position_m / finger.length_m)
 
 
-def _add_mounted_finger(palm: Any, name: str, calibration: FingerCalibration, anatomy: HandAnatomy) -> None:
+def _add_mounted_finger(
+    palm: Any, name: str, calibration: FingerCalibration, anatomy: HandAnatomy, links: int | None
+) -> None:
     mount = anatomy.mounts[name]
     x, y, z, w = Rotation.from_matrix(mount.rotation()).as_quat()
     base = palm.add("body", name=f"{name}_base", pos=mount.base_m, quat=(w, x, y, z))
@@ -71,7 +78,7 @@ def _add_mounted_finger(palm: Any, name: str, calibration: FingerCalibration, an
         fromto=(0, 0, -0.004, 0, 0, end - 0.004),
         mass=0,
     )
-    add_finger(base, name, calibration)
+    add_finger(base, name, calibration, links)
 
 
 def add_defaults(root: mjcf.RootElement, contact: ContactSettings) -> None:

@@ -12,6 +12,9 @@ from softhand_sim.contact import ContactSettings
 from softhand_sim.hand.anatomy import HandAnatomy
 from softhand_sim.hand.hand import add_hand
 
+INTEGRATORS, CONES = ("Euler", "implicit", "implicitfast", "RK4"), ("pyramidal", "elliptic")
+"""The engine's integrators and friction cones by their names in MJCF."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class EngineSettings:
@@ -25,8 +28,13 @@ class EngineSettings:
     impratio: float = 10.0
     noslip_iterations: int = 3
     gravity_m_per_s2: float = 9.81
+    integrator: str = "implicitfast"
+    cone: str = "elliptic"
 
     def __post_init__(self) -> None:
+        for name, allowed in (("integrator", INTEGRATORS), ("cone", CONES)):
+            if getattr(self, name) not in allowed:
+                raise ValueError(f"{name}: {getattr(self, name)!r} must be one of {', '.join(allowed)}")
         if not 1e-4 <= self.timestep_s <= 8e-3:
             raise ValueError(f"timestep_s: {self.timestep_s} must lie in [0.0001, 0.008]")
 
@@ -37,10 +45,11 @@ def build_root(
     anatomy: HandAnatomy | None = None,
     contact: ContactSettings | None = None,
     engine: EngineSettings | None = None,
+    links: int | None = None,
 ) -> mjcf.RootElement:
-    """MJCF of the hand alone in an empty world, with the engine's settings."""
+    """MJCF of the hand alone in an empty world, with the engine's settings; ``links`` as in `add_hand`."""
     root = empty_root("softhand", engine or EngineSettings())
-    add_hand(root, calibration, anatomy or HandAnatomy(), contact or ContactSettings())
+    add_hand(root, calibration, anatomy or HandAnatomy(), contact or ContactSettings(), links)
     return root
 
 
@@ -50,8 +59,8 @@ def empty_root(name: str, settings: EngineSettings) -> mjcf.RootElement:
     root.compiler.set_attributes(angle="radian", autolimits=True)
     root.option.set_attributes(
         timestep=settings.timestep_s,
-        integrator="implicitfast",
-        cone="elliptic",
+        integrator=settings.integrator,
+        cone=settings.cone,
         impratio=settings.impratio,
         noslip_iterations=settings.noslip_iterations,
         jacobian="dense",
@@ -101,9 +110,13 @@ def build_scene(
     add_object: Callable[[mjcf.RootElement], Any] | None = None,
     engine: EngineSettings | None = None,
     contact: ContactSettings | None = None,
+    links: int | None = None,
 ) -> Scene:
-    """Hand over a table, with the object that `add_object` adds to the MJCF (none without)."""
-    root = build_root(calibration, engine=engine, contact=contact)
+    """Hand over a table, with the object that `add_object` adds to the MJCF (none without).
+
+    ``links`` as in `add_hand`.
+    """
+    root = build_root(calibration, engine=engine, contact=contact, links=links)
     add_surroundings(root, contact)
     if add_object is not None:
         add_object(root)
