@@ -22,9 +22,14 @@ Vector = npt.NDArray[np.float64]
 
 RANGE_WATCH_S = 0.02
 """Choice: how often range_watch looks, the sensors' period; every step would cost some per cent of a trial."""
-_BAD = (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC)
+_BAD = (
+    mujoco.mjtWarning.mjWARN_BADQPOS,
+    mujoco.mjtWarning.mjWARN_BADQVEL,
+    mujoco.mjtWarning.mjWARN_BADQACC,
+    mujoco.mjtWarning.mjWARN_BADCTRL,
+)
 INSTABILITY = tuple(int(kind) for kind in _BAD)
-"""Numbers of the warnings that mean a diverged world."""
+"""Numbers of the warnings that mean a diverged world: values that are no numbers, replaced by the engine."""
 
 
 def default_pneumatics(calibration: FingerCalibration) -> PneumaticSystem:

@@ -25,7 +25,7 @@ from softhand_sim.grasp.verdict import Outcome
 from softhand_sim.guards.limits import Guards
 from softhand_sim.guards.replay import save_replay
 from softhand_sim.guards.watch import Watch
-from softhand_sim.hand.scene import EngineSettings, Scene, build_scene
+from softhand_sim.hand.scene import EngineSettings, Scene, build_scene, for_friction
 from softhand_sim.losses import Losses
 from softhand_sim.objects.mjcf import attach_object
 from softhand_sim.objects.model import ObjectModel
@@ -88,6 +88,7 @@ def prepare(  # noqa: PLR0913 - one keyword for each thing that a caller may cho
         attach_object(root, model)
         apply_to_contacts(effects, root)
 
+    engine = for_friction(engine or EngineSettings(), model.friction)
     scene = build_scene(calibration, engine=engine, add_object=add_object, links=links)
     return TrialSetup(
         model=model,
