@@ -14,7 +14,7 @@ from softhand_sim.effects.auto import Answer, choose
 from softhand_sim.effects.build import apply_to_contacts, apply_to_model, build_losses, build_pneumatics
 from softhand_sim.effects.scene import SceneFacts, Tolerance
 from softhand_sim.grasp.choice.shipped import default_grasp
-from softhand_sim.grasp.place import place_object
+from softhand_sim.grasp.place import place_object, stand_off
 from softhand_sim.grasp.plan import GraspPlan
 from softhand_sim.grasp.protocol import GraspProtocol
 from softhand_sim.grasp.protocol_file import load_protocol
@@ -159,6 +159,7 @@ def run_trial(
     )
     simulation.reset(rng, setup.plan.standoff(setup.protocol.approach_m))
     place_object(simulation, setup.model.rest_height_m, offset)
+    stand_off(simulation, setup.plan, setup.protocol.approach_m)
     stage = Stage(
         simulation=simulation,
         recorder=Recorder.of(simulation, setup.model.rest_height_m),
