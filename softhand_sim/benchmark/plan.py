@@ -14,6 +14,7 @@ from softhand_sim.grasp.result import TrialResult
 from softhand_sim.grasp.trial import TrialSetup, prepare, run_trial
 from softhand_sim.hand.scene import EngineSettings
 from softhand_sim.objects.model import ObjectModel
+from softhand_sim.policy.policy_file import Policy
 
 # choice: small enough to keep two workers busy to the end, large enough to share the building of a scene
 TRIALS_A_SHARD = 5
@@ -39,6 +40,7 @@ class BenchmarkPlan:
     control: calibration file that set pressures are looked up in; None for that of the fingers.
     protocol, engine, effects: what a trial does, the engine's settings, and the effects of the scene.
     grasps: by the name of the object; the others get their `default_grasp`.
+    policy: reaches and closes in the place of the script; None for the script.
     replays: folder for the replay files of trials that a guard ends.
     """
 
@@ -51,6 +53,7 @@ class BenchmarkPlan:
     engine: EngineSettings = field(default_factory=EngineSettings)
     effects: Effects = BENCH
     grasps: Mapping[str, GraspPlan] = field(default_factory=dict)
+    policy: Policy | None = None
     replays: Path | None = None
 
     def __post_init__(self) -> None:
@@ -106,7 +109,7 @@ def tapered(shards: Sequence[Shard], workers: int) -> list[Shard]:
 def prepare_for(plan: BenchmarkPlan, model: ObjectModel) -> TrialSetup:
     """Return what the trials of one object of the plan share."""
     control = None if plan.control is None else load_calibration(plan.control)
-    return prepare(
+    setup = prepare(
         model,
         load_calibration(plan.calibration),
         protocol=plan.protocol,
@@ -115,6 +118,7 @@ def prepare_for(plan: BenchmarkPlan, model: ObjectModel) -> TrialSetup:
         control=control,
         plan=plan.grasp(model),
     )
+    return replace(setup, policy=plan.policy)
 
 
 def run_shard(plan: BenchmarkPlan, shard: Shard, last: TrialSetup | None) -> tuple[TrialSetup, Iterator[TrialResult]]:

@@ -70,7 +70,9 @@ def test_a_second_run_makes_nothing_twice_and_an_interrupted_one_goes_on(tmp_pat
         running.close()
     made = []
     real = planning.run_trial
-    monkeypatch.setattr(planning, "run_trial", lambda setup, seed: (made.append(seed), real(setup, seed))[1])
+    monkeypatch.setattr(
+        planning, "run_trial", lambda setup, seed, **more: (made.append(seed), real(setup, seed, **more))[1]
+    )
     with TrialStore(path, plan()) as store:
         assert figures(run_benchmark(plan(), 1, store), plan()) == unbroken
         assert len(made) == 12 - 5
