@@ -83,11 +83,13 @@ class CompiledActuation:
 
     def run(self, guard: EngineGuard, course: Course, dt: float, steps: int) -> None:
         """Take steps of the only world, with as little Python as may be: a `Runner` of the guard's world."""
+        if len(course.given):
+            self.play(course.given[:1])
         begins = True
         while steps > 0:
             e, noise = self._engine, self._noise_ahead(dt * steps)
             state = (guard.words, self._elements, self._hands, self._worlds, self._receiver)
-            beside = (course.wrist, course.limits, course.extremes, course.clock)
+            beside = (course.wrist, course.limits, course.extremes, course.clock, course.given)
             arguments = (*state, e.ten_length, e.qpos, e.ctrl, *beside, noise, dt, steps, begins)
             done, why = self._call(run_world, *arguments)
             steps -= done
