@@ -1,9 +1,10 @@
 """Arguments of the environments, checked together before anything is built."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from envs.actions import ActionMode, ActionSpec
 from envs.draw import Drawer
@@ -54,7 +55,7 @@ class EnvConfig:
     camera
         Height and width of a picture in the observation [pixels]; None for none.
     randomization
-        ``none``, ``place``, ``domain``, or a `Randomization`.
+        ``none``, ``place``, ``domain``, or a `Randomization`, or a mapping of some of its fields.
     effects, tolerance
         ``ideal``, ``bench``, ``full``, `Effects`, or ``auto``: all effects but those that each scene does not call for,
         by a `Tolerance`.
@@ -79,7 +80,7 @@ class EnvConfig:
     wrist_speed_m_per_s: float = 0.1
     observation_mode: str = "state"
     camera: tuple[int, int] | None = None
-    randomization: str | Randomization = "place"
+    randomization: str | Randomization | Mapping[str, Any] = "place"
     effects: str | Effects = "bench"
     tolerance: Tolerance | None = None
     engine: EngineSettings | None = None
@@ -124,6 +125,8 @@ class EnvConfig:
         """The ranges of what is drawn."""
         if isinstance(self.randomization, Randomization):
             return self.randomization
+        if isinstance(self.randomization, Mapping):
+            return Randomization.from_fields(self.randomization)
         _one_of("randomization", self.randomization, tuple(RANDOMIZATIONS))
         return RANDOMIZATIONS[self.randomization]
 
