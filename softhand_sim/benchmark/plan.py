@@ -1,6 +1,6 @@
 """What a benchmark runs, and its division into shards."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -89,6 +89,21 @@ class BenchmarkPlan:
     def without_objects(self) -> "BenchmarkPlan":
         """Return the plan with one object only: a shard carries its own, the others need not travel with it."""
         return replace(self, objects=self.objects[:1])
+
+
+def tapered(shards: Sequence[Shard], workers: int) -> list[Shard]:
+    """Return shards of the same trials in the same order, shorter towards the end, so that all workers end together.
+
+    Choice: none is longer than a third of what is left for each worker; at the end they are single trials.
+    """
+    left, pieces = sum(len(shard.seeds) for shard in shards), []
+    for shard in shards:
+        seeds = shard.seeds
+        while seeds:
+            size = max(1, left // (3 * workers))
+            pieces.append(Shard(model=shard.model, seeds=seeds[:size]))
+            seeds, left = seeds[size:], left - len(pieces[-1].seeds)
+    return pieces
 
 
 def prepare_for(plan: BenchmarkPlan, model: ObjectModel) -> TrialSetup:

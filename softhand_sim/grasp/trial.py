@@ -59,7 +59,7 @@ class TrialSetup:
     guards: Guards = field(default_factory=Guards)
 
 
-def prepare(
+def prepare(  # noqa: PLR0913 - one keyword for each thing that a caller may choose
     model: ObjectModel,
     calibration: FingerCalibration,
     *,
@@ -69,11 +69,13 @@ def prepare(
     tolerance: Tolerance | None = None,
     plan: GraspPlan | None = None,
     control: FingerCalibration | None = None,
+    links: int | None = None,
 ) -> TrialSetup:
     """Build the scene of an object; by default for the paper's protocol and with the object's `default_grasp`.
 
-    ``control`` is the calibration that the controller knows, where that is not the fingers' own. With a tolerance,
-    effects that the scene does not call for are left out (`choose`), and `TrialSetup.answers` says why.
+    With ``links`` fingers are chains of that many hinges. ``control`` is the calibration that the controller knows,
+    where that is not the fingers' own. With a tolerance, effects that the scene does not call for are left out
+    (`choose`), and `TrialSetup.answers` says why.
     """
     protocol = protocol or load_protocol()
     model = model.with_overrides(mass_kg=protocol.mass_kg, friction=protocol.friction)
@@ -86,7 +88,7 @@ def prepare(
         attach_object(root, model)
         apply_to_contacts(effects, root)
 
-    scene = build_scene(calibration, engine=engine, add_object=add_object)
+    scene = build_scene(calibration, engine=engine, add_object=add_object, links=links)
     return TrialSetup(
         model=model,
         calibration=calibration,
