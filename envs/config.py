@@ -90,6 +90,7 @@ class EnvConfig:
     control_period_s: float = 0.04
 
     def __post_init__(self) -> None:
+        _ = self.ranges
         _one_of("action_mode", self.action_mode, tuple(ActionMode))
         _one_of("observation_mode", self.observation_mode, tuple(ObservationMode))
         require_in("wrist_speed_m_per_s", self.wrist_speed_m_per_s, 1e-3, 0.5)
