@@ -59,8 +59,8 @@ def _job(argv: Sequence[str] | None) -> int:
     with tqdm(total=2 * len(cases) * share, desc="steps", unit="step", disable=None) as bar:
         for half, (k, (env_id, given)) in itertools.product(range(2), enumerate(cases)):
             if k not in made:
-                given = {**given, "control_period_s": args.period}
-                made[k] = gymnasium.make(env_id, max_episode_steps=EPISODE_STEPS, **given)
+                period = {"control_period_s": args.period}
+                made[k] = gymnasium.make(env_id, max_episode_steps=EPISODE_STEPS, **given, **period)
             _run(made[k], share, args.seed + 2 * k + half, counts)
             memory.append(_resident_bytes())
             bar.update(share)

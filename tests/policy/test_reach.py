@@ -71,7 +71,7 @@ def test_actions_move_in_the_palms_frame_and_add_up_to_a_limit(setup):
     sideways = np.array([short.decide(np.eye(ACTIONS)[0])[0][:3] for _ in range(1)])
     short.step = SPEC.approach_decisions
     assert np.linalg.norm(short.decide(np.eye(ACTIONS)[0])[0][:3] - sideways) == pytest.approx(
-        SPEC.closing_share * SPEC.step_m
+        SPEC.closing_share * SPEC.across_share * SPEC.step_m
     )
     open_, full = (reach_of(setup).decide(share * np.ones(ACTIONS))[1] for share in (-1.0, 5.0))
     assert (open_ == 0.0).all()
