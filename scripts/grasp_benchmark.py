@@ -36,6 +36,7 @@ from softhand_sim.objects.catalogue import load_catalogue, make_object
 from softhand_sim.objects.loader import load_mesh_object
 from softhand_sim.objects.model import DEFAULT_FRICTION, ObjectModel
 from softhand_sim.objects.ycb import load_ycb_object, ycb_names
+from softhand_sim.policy.policy_file import load_policy
 from softhand_sim.render import RenderUnavailableError
 
 EXAMPLES = """examples:
@@ -48,6 +49,7 @@ EXAMPLES = """examples:
   grasp_benchmark.py --protocol six_forces                      # or a TOML file of your own
   grasp_benchmark.py --objects mug --search 2000                # a longer search for the grasp; 0: scripted
   grasp_benchmark.py --objects mug --grasps mine.toml           # your own grasps
+  grasp_benchmark.py --objects apple --policy mine.npz          # reach and close by a learned policy
   grasp_benchmark.py --tolerance 2,1                            # the cheapest setting within 2 degrees and 1 mm
   grasp_benchmark.py --trials 10 --check-steps 300 --workers 2  # do verdicts depend on the time step?
   grasp_benchmark.py --trials 100 --engine ray --ray-address auto --workers 64 --store out/run.sqlite
@@ -82,6 +84,8 @@ def parser() -> _cli.Parser:
         help=f"{', '.join(protocol_names())}, or a TOML file (default {DEFAULT})",
     )
     add_grasps(p)
+    text = "learned policy that reaches and closes in the place of the script (.npz; docs/learning.md)"
+    p.add_argument("--policy", type=Path, metavar="FILE", help=text)
     p.add_argument("--trials", type=_cli.positive_int, default=20, help="trials per object (default 20)")
     p.add_argument("--workers", type=_cli.positive_int, default=1, help="processes side by side (default 1)")
     text = "who runs the trials: processes of this machine, or a Ray cluster, an extra (default local)"
@@ -135,6 +139,7 @@ def _job(argv: Sequence[str] | None) -> int:
         raise ValueError(f"--check-steps: a quarter of {1e3 * engine.timestep_s:g} ms is below 0.1 ms")
     check_search(args.search)
     args.protocol = load_protocol(args.protocol)
+    policy = None if args.policy is None else load_policy(args.policy)
     batch = load_all(_loaders(args))
     grasps = choose_grasps(
         batch.models, own=args.grasps, search=args.search, calibration=args.calibration, protocol=args.protocol
@@ -147,6 +152,7 @@ def _job(argv: Sequence[str] | None) -> int:
         calibration=args.calibration,
         protocol=args.protocol,
         grasps={name: grasp.kept.plan for name, grasp in grasps.items()},
+        policy=policy,
         replays=args.replays,
     )
     total = len(plan.objects) * plan.trials
@@ -267,6 +273,7 @@ def _settings(args: argparse.Namespace) -> dict[str, Any]:
         "mesh": [str(path) for path in args.mesh],
         "ycb": None if args.ycb is None else str(args.ycb),
         "protocol": asdict(args.protocol) | {"phases": [_phase(phase) for phase in args.protocol.phases]},
+        "policy_sha256": None if args.policy is None else hashlib.sha256(args.policy.read_bytes()).hexdigest(),
         "calibration_sha256": hashlib.sha256(file.read_bytes()).hexdigest(),
         "mujoco_version": version("mujoco"),
         "numpy_version": version("numpy"),

@@ -30,6 +30,8 @@ from softhand_sim.losses import Losses
 from softhand_sim.objects.mjcf import attach_object
 from softhand_sim.objects.model import ObjectModel
 from softhand_sim.pneumatics.system import PneumaticSystem
+from softhand_sim.policy.policy_file import Policy
+from softhand_sim.policy.trial import reach_and_close
 from softhand_sim.simulation import HandSimulation
 
 STRESS_SEEDS, STRESS_MASS_RATIO = (900, 901, 902), 1.25
@@ -40,8 +42,8 @@ STRESS_SEEDS, STRESS_MASS_RATIO = (900, 901, 902), 1.25
 class TrialSetup:
     """Everything that trials of one object share: built once, used for any number of seeds.
 
-    Set pressures are looked up in ``control``, the fingers' own calibration by default. ``guards`` end a trial that
-    can't be trusted.
+    Set pressures are looked up in ``control``, the fingers' own calibration by default. A ``policy`` reaches and closes
+    in the place of the script. ``guards`` end a trial that can't be trusted.
     """
 
     model: ObjectModel
@@ -53,6 +55,7 @@ class TrialSetup:
     protocol: GraspProtocol
     answers: tuple[Answer, ...] = ()
     control: FingerCalibration | None = None
+    policy: Policy | None = None
     guards: Guards = field(default_factory=Guards)
 
 
@@ -215,12 +218,18 @@ def _advance(stage: Stage, guard: Watch) -> None:
 def _commands(setup: TrialSetup, stage: Stage) -> Iterator[tuple[Callable[[], bool], int]]:
     """Give each command, then yield the question whether it is over, and the number of the protocol's phase."""
     simulation = stage.simulation
-    simulation.wrist_target = setup.plan.standoff(0.0)
-    yield stage.arrived, 0
-    yield stage.after(stage.settle_s), 0
     known = setup.calibration if setup.control is None else setup.control
-    simulation.set_pressure_pa_gauge = setup.protocol.closing_pressures_pa_gauge(known, setup.plan.set_angle_deg)
-    yield stage.after(setup.protocol.close_s), 0
+    closing_pa_gauge = setup.protocol.closing_pressures_pa_gauge(known, setup.plan.set_angle_deg)
+    if setup.policy is None:
+        simulation.wrist_target = setup.plan.standoff(0.0)
+        yield stage.arrived, 0
+        yield stage.after(stage.settle_s), 0
+        simulation.set_pressure_pa_gauge = closing_pa_gauge
+        yield stage.after(setup.protocol.close_s), 0
+    else:
+        highest = float(known.curve.pressure_pa_gauge[-1])
+        for done in reach_and_close(setup.policy, simulation, setup.plan, closing_pa_gauge, highest):
+            yield done, 0
     stage.recorder.mark(simulation)
     for number, phase in enumerate(setup.protocol.phases, start=1):
         if phase.needs_object and not _in_hand(setup, stage):
