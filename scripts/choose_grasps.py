@@ -1,6 +1,6 @@
 """Chooses the grasps of catalogue objects and writes them to a file; `assets/grasps/catalogue.toml` is made so.
 
-What a search finds is tried beside the scripted grasp in twenty full trials each; the one that holds more is kept.
+The best that a search finds is tried beside the scripted grasp in twenty full trials each; the better one is kept.
 """
 
 import argparse

@@ -22,9 +22,14 @@ Vector = npt.NDArray[np.float64]
 
 RANGE_WATCH_S = 0.02
 """Choice: how often range_watch looks, the sensors' period; every step would cost some per cent of a trial."""
-_BAD = (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC)
+_BAD = (
+    mujoco.mjtWarning.mjWARN_BADQPOS,
+    mujoco.mjtWarning.mjWARN_BADQVEL,
+    mujoco.mjtWarning.mjWARN_BADQACC,
+    mujoco.mjtWarning.mjWARN_BADCTRL,
+)
 INSTABILITY = tuple(int(kind) for kind in _BAD)
-"""Numbers of the warnings that mean a diverged world."""
+"""Numbers of the warnings that mean a diverged world: values that are no numbers, replaced by the engine."""
 
 
 def default_pneumatics(calibration: FingerCalibration) -> PneumaticSystem:
@@ -77,15 +82,19 @@ class HandSimulation:
     def reset(self, rng: np.random.Generator, wrist_pose: Vector) -> None:
         """Start anew with empty fingers and the wrist standing at `wrist_pose`, shape (6,)."""
         mujoco.mj_resetData(self.model, self.data)
+        self.stand(wrist_pose)
+        self.set_pressure_pa_gauge = np.zeros(3)
+        self.range_watch = RangeWatch(limits=CalibratedRange.of(self.calibration))
+        self._next_look_s = 0.0
+        self._actuation.reset(0, rng)
+
+    def stand(self, wrist_pose: Vector) -> None:
+        """Put the wrist at `wrist_pose`, shape (6,), at once; it has no speed if it had none."""
         self.data.qpos[self.index.wrist_qpos] = wrist_pose
         self.data.ctrl[self.index.wrist_ctrl] = wrist_pose
         mujoco.mj_forward(self.model, self.data)
         self.wrist_reference = np.array(wrist_pose, dtype=np.float64)
         self.wrist_target = self.wrist_reference.copy()
-        self.set_pressure_pa_gauge = np.zeros(3)
-        self.range_watch = RangeWatch(limits=CalibratedRange.of(self.calibration))
-        self._next_look_s = 0.0
-        self._actuation.reset(0, rng)
 
     def advance(self, steps: int) -> None:
         """Advance by some time steps, as that many calls of `step` to the bit.

@@ -5,7 +5,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from softhand_sim.benchmark.report import beyond_calibration, summarise
+from softhand_sim.benchmark.report import beyond_calibration, summarise, table
+from softhand_sim.calibration import JOINT_RANGE_RAD
 from softhand_sim.calibration.limits import ANGLE_MARGIN_RAD, CalibratedRange, RangeWatch
 from softhand_sim.elements import FINGERS
 from softhand_sim.grasp.protocol_file import load_protocol
@@ -106,3 +107,15 @@ def test_the_benchmark_counts_trials_and_keeps_the_extremes():
     text = beyond_calibration(results)
     assert text == f"beyond the calibrated range in 2 of 3 trials of can: {low} -0.3, {high} 0.8"
     assert beyond_calibration(results[-1:]) == ""
+
+
+def test_the_table_counts_holds_that_bent_a_joint_back_to_its_stop():
+    """A finger bent forward by as much, or back by less, does not count; nor does an object that was lost."""
+    stop = JOINT_RANGE_RAD[0]
+    rows = [{"thumb_proximal_lowest_rad": stop - 0.02}, {"thumb_proximal_lowest_rad": stop + 0.02}]
+    rows += [{"thumb_proximal_highest_rad": -stop + 1.2}, {}]
+    held = [dataclasses.replace(result("can", k, row), outcome=Outcome.HELD) for k, row in enumerate(rows)]
+    summary = summarise([*held, result("can", 9, rows[0])])
+    assert summary["can"]["held_on_stop"] == 1
+    header, row = table(summary).splitlines()
+    assert row[header.index("on stop") - 1 :].split()[0] == "1"

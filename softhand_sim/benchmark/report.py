@@ -9,13 +9,14 @@ from typing import Any
 
 from scipy.stats import binomtest
 
+from softhand_sim.calibration import JOINT_RANGE_RAD
 from softhand_sim.grasp.protocol import GraspProtocol
 from softhand_sim.grasp.result import TrialResult
 from softhand_sim.grasp.verdict import Outcome
 
 HEADER = (
     f"{'object':<22}{'trials':>7}{'held':>6}{'rate':>7}  {'95 % Wilson':<14}"
-    f"{'slip mm':>8}{'creep um/s':>12}{'depth mm':>10}{'force N':>9}{'fingers':>9}  other outcomes"
+    f"{'slip mm':>8}{'creep um/s':>12}{'depth mm':>10}{'force N':>9}{'fingers':>9}{'on stop':>9}  other outcomes"
 )
 
 
@@ -29,8 +30,9 @@ def summarise(results: Sequence[TrialResult]) -> dict[str, dict[str, Any]]:
     """Return per object: trials, held, success_rate, wilson_low, wilson_high, count of each outcome, flags.
 
     Medians of slip, creep, depth and force are over the trials that ended `HELD`, and None where none did.
-    `finger_contact_share` is the share of trials in which a finger touched another, `engine_warnings` the number of the
-    engine's warnings in all of them.
+    `held_on_stop` counts the holds in which a joint was bent back to its stop at some time: beyond what the finger is
+    calibrated for, the stop carries. `finger_contact_share` is the share of trials in which a finger touched another,
+    `engine_warnings` the number of the engine's warnings in all of them.
     """
     summary: dict[str, dict[str, Any]] = {}
     for name in dict.fromkeys(result.object for result in results):
@@ -48,12 +50,19 @@ def summarise(results: Sequence[TrialResult]) -> dict[str, dict[str, Any]]:
             "held_median_slip_m": median(r.slip_m for r in held) if held else None,
             "held_median_creep_m_per_s": median(r.creep_m_per_s for r in held) if held else None,
             "trials_beyond_calibration": sum(bool(r.beyond_calibration) for r in own),
+            "held_on_stop": sum(touched_stop(r) for r in held),
             "held_median_penetration_m": median(r.penetration_m for r in held) if held else None,
             "held_median_force_n": median(sum(r.force_n.values()) for r in held) if held else None,
             "finger_contact_share": sum(r.finger_contact_s > 0.0 for r in own) / len(own),
             "engine_warnings": sum(sum(r.engine_warnings.values()) for r in own),
         }
     return summary
+
+
+def touched_stop(result: TrialResult) -> bool:
+    """Whether a joint was bent back to its stop at some time of a trial."""
+    lowest = (value for name, value in result.beyond_calibration.items() if name.endswith("_lowest_rad"))
+    return min(lowest, default=0.0) <= JOINT_RANGE_RAD[0]
 
 
 def table(summary: dict[str, dict[str, Any]]) -> str:
@@ -69,7 +78,8 @@ def conditions(protocol: GraspProtocol) -> str:
         f"protocol {protocol.name}: HELD is slip <= {1e3 * limits.slip_m:g} mm and tilt <= "
         f"{math.degrees(limits.tilt_rad):.3g} degrees {when}, creep <= {1e6 * limits.creep_m_per_s:g} um/s, depth "
         f"in the hold <= {1e3 * limits.penetration_m:g} mm, lifted by >= {limits.held_fraction:.0%} "
-        f"of {protocol.lift_m:g} m; fingers: share of trials in which one finger touched another"
+        f"of {protocol.lift_m:g} m; fingers: share of trials in which one finger touched another; "
+        "on stop: holds in which a joint was bent back to its stop"
     )
 
 
@@ -83,7 +93,7 @@ def _row(name: str, row: dict[str, Any]) -> str:
         f"{name:<22}{row['trials']:>7}{row['held']:>6}{row['success_rate']:>7.2f}  {interval:<14}"
         f"{scaled('held_median_slip_m', 1e3, 1):>8}{scaled('held_median_creep_m_per_s', 1e6, 0):>12}"
         f"{scaled('held_median_penetration_m', 1e3, 2):>10}{scaled('held_median_force_n', 1, 2):>9}"
-        f"{row['finger_contact_share']:>9.2f}  {others}"
+        f"{row['finger_contact_share']:>9.2f}{row['held_on_stop']:>9}  {others}"
     )
 
 

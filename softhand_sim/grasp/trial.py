@@ -14,7 +14,7 @@ from softhand_sim.effects.auto import Answer, choose
 from softhand_sim.effects.build import apply_to_contacts, apply_to_model, build_losses, build_pneumatics
 from softhand_sim.effects.scene import SceneFacts, Tolerance
 from softhand_sim.grasp.choice.shipped import default_grasp
-from softhand_sim.grasp.place import place_object
+from softhand_sim.grasp.place import place_object, stand_off
 from softhand_sim.grasp.plan import GraspPlan
 from softhand_sim.grasp.protocol import GraspProtocol
 from softhand_sim.grasp.protocol_file import load_protocol
@@ -25,7 +25,7 @@ from softhand_sim.grasp.verdict import Outcome
 from softhand_sim.guards.limits import Guards
 from softhand_sim.guards.replay import save_replay
 from softhand_sim.guards.watch import Watch
-from softhand_sim.hand.scene import EngineSettings, Scene, build_scene
+from softhand_sim.hand.scene import EngineSettings, Scene, build_scene, for_friction
 from softhand_sim.losses import Losses
 from softhand_sim.objects.mjcf import attach_object
 from softhand_sim.objects.model import ObjectModel
@@ -88,6 +88,7 @@ def prepare(  # noqa: PLR0913 - one keyword for each thing that a caller may cho
         attach_object(root, model)
         apply_to_contacts(effects, root)
 
+    engine = for_friction(engine or EngineSettings(), model.friction)
     scene = build_scene(calibration, engine=engine, add_object=add_object, links=links)
     return TrialSetup(
         model=model,
@@ -158,6 +159,7 @@ def run_trial(
     )
     simulation.reset(rng, setup.plan.standoff(setup.protocol.approach_m))
     place_object(simulation, setup.model.rest_height_m, offset)
+    stand_off(simulation, setup.plan, setup.protocol.approach_m)
     stage = Stage(
         simulation=simulation,
         recorder=Recorder.of(simulation, setup.model.rest_height_m),

@@ -5,12 +5,15 @@ import dataclasses
 import numpy as np
 import pytest
 
-from softhand_sim.grasp.choice.closing import LAST_LOAD
+from softhand_sim.calibration import JOINT_RANGE_RAD
+from softhand_sim.grasp.choice.closing import LAST_LOAD, SHORTEST_LIFT_M, lift_of
 from softhand_sim.grasp.choice.search import closing_of
 from softhand_sim.grasp.plan import GraspPlan
 from softhand_sim.grasp.protocol_file import load_protocol
 from softhand_sim.grasp.scripted import plan_grasp
+from softhand_sim.grasp.verdict import Thresholds
 from softhand_sim.hand.anatomy import HandAnatomy
+from softhand_sim.hand.index import HandIndex
 from softhand_sim.objects.catalogue import make_object
 
 HERE = (0.0, 0.0, 0.0)
@@ -62,3 +65,24 @@ def test_a_hand_that_starts_in_the_object_or_must_be_pressed_onto_it_holds_nothi
     down = GraspPlan(wrist_pose=(0.0, 0.0, height - 0.012, 0.0, 0.0, 0.0), retreat=(0.0, 0.0, 1.0))
     inside = dataclasses.replace(down, wrist_pose=(0.0, 0.0, height - 0.06, 0.0, 0.0, 0.0))
     assert light.load_factors([down, inside], [HERE])[:, 0].tolist() == [0.0, 0.0]
+
+
+def test_a_long_thing_is_lifted_until_it_cannot_stand_on_its_end():
+    """A level rod that leans by all of the tilt allowed and slips by all of the slip allowed is off the table."""
+    limits = Thresholds()
+    for name in ("banana", "hammer"):
+        rod = make_object(name)
+        half = np.linalg.norm(rod.mesh.vertices[:, :2], axis=1).max()
+        assert lift_of(rod, limits) > limits.slip_m + half * np.sin(limits.tilt_rad)
+    assert lift_of(make_object("golf_ball"), limits) == SHORTEST_LIFT_M
+
+
+def test_a_joint_that_rests_on_its_stop_is_told_from_one_that_touches_it(calibration):
+    ball = closing(make_object("tennis_ball"), calibration)
+    hand = HandIndex.of(ball.model)
+    states = np.zeros((3, 100, 1 + ball.model.nq))
+    proximal = 1 + int(hand.joint_qpos[0, 0])
+    states[0, :, proximal] = JOINT_RANGE_RAD[0] - 0.01
+    states[1, :10, proximal] = JOINT_RANGE_RAD[0] - 0.01
+    states[2, :, proximal] = JOINT_RANGE_RAD[0] + 0.01
+    assert ball._on_a_stop(states, hand).tolist() == [True, False, False]

@@ -104,12 +104,13 @@ def test_a_search_is_kept_until_something_changes(tmp_path, monkeypatch, calibra
     def counted(model, *_, seed, **__):
         runs.append(seed)
         best = ScoredGrasp(plan=plan_grasp(model), score=1.0, closings=1)
-        return SearchResult(grasps=(best,), closings=64)
+        return SearchResult(grasps=(best,) * (kept.MOST + 1), closings=64)
 
     monkeypatch.setattr(kept, "search_grasp", counted)
     apple, protocol = make_object("apple"), load_protocol()
     first = kept_or_searched(apple, calibration, protocol=protocol)
     assert kept_or_searched(apple, calibration, protocol=protocol) == first
+    assert len(first) == kept.MOST
     assert len(runs) == 1
     kept_or_searched(apple.with_overrides(mass_kg=0.1), calibration, protocol=protocol)
     kept_or_searched(apple, calibration, protocol=protocol, seed=1)

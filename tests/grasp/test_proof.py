@@ -25,7 +25,7 @@ def elsewhere():
 
 def test_a_grasp_that_closes_on_air_loses_against_the_scripted_one(monkeypatch, calibration, elsewhere):
     monkeypatch.setattr(proof, "TRIALS", 2)
-    result = proven(elsewhere, BALL, calibration, load_protocol())
+    result = proven([elsewhere], BALL, calibration, load_protocol())
     assert (result.found_held, result.scripted_held) == (0, 2)
     assert result.kept == KeptGrasp(plan=rounded(plan_grasp(BALL)), closings=100)
 
@@ -36,13 +36,34 @@ def test_the_found_grasp_stays_unless_the_scripted_one_holds_more(
 ):
     counts = {elsewhere.plan: found, rounded(plan_grasp(BALL)): scripted}
     monkeypatch.setattr(proof, "held", lambda plan, *_: counts[plan])
-    assert (proven(elsewhere, BALL, calibration, load_protocol()).kept is elsewhere) == stays
+    assert (proven([elsewhere], BALL, calibration, load_protocol()).kept is elsewhere) == stays
 
 
 def test_trials_are_those_of_their_own_seeds(monkeypatch, calibration):
     seen = []
     monkeypatch.setattr(proof, "run_trial", lambda setup, seed: seen.append(seed) or run_trial(setup, 0))
-    monkeypatch.setattr(proof, "TRIALS", 2)
-    assert held(plan_grasp(BALL), BALL, calibration, load_protocol()) == 2
+    assert held(plan_grasp(BALL), BALL, calibration, load_protocol(), range(2)) == 2
     assert seen == [FIRST_SEED, FIRST_SEED + 1]
     assert TRIALS >= 10
+
+
+def test_full_trials_pick_among_several_found_grasps(monkeypatch, calibration, elsewhere):
+    """The three that hold most in the heats get all trials; of equals the better score is kept."""
+    found = [
+        replace(elsewhere, plan=replace(elsewhere.plan, wrist_pose=(0.0, 0.0, 0.2 + 0.01 * k, 0.0, 0.0, 0.0)))
+        for k in range(5)
+    ]
+    # how many of the first, and of the later trials each of them holds; the scripted grasp none
+    shares = {one.plan: share for one, share in zip(found, [(1, 9), (4, 9), (5, 9), (4, 10), (3, 14)], strict=True)}
+    tried = []
+
+    def counted(plan, *rest):
+        trials = rest[-1]
+        tried.append((plan, trials))
+        return shares.get(plan, (0, 0))[trials.start > 0]
+
+    monkeypatch.setattr(proof, "held", counted)
+    result = proven(found, BALL, calibration, load_protocol())
+    assert result.kept is found[2]
+    assert (result.found_held, result.scripted_held) == (14, 0)
+    assert sum(len(trials) for _, trials in tried) == 5 * proof.HEATS + 3 * (TRIALS - proof.HEATS) + TRIALS

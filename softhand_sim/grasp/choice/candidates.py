@@ -1,15 +1,15 @@
-"""Grasp poses proposed from an object's shape: fingers against thumb from above, and around it from the side."""
+"""Grasp poses proposed from an object's shape: fingers against thumb from above, around it, leaning over."""
 
 import itertools
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from softhand_sim.calibration import FingerCalibration
-from softhand_sim.elements import FINGERS
 from softhand_sim.grasp.choice.antipodal import AntipodalPairs, antipodal_pairs
+from softhand_sim.grasp.choice.oblique import PUSH_M, from_anywhere
+from softhand_sim.grasp.choice.reach import TABLE_GAP_M, TABLE_PRESS_M, HandReach
 from softhand_sim.grasp.plan import FIRM_ANGLE_DEG, GraspPlan, pose_of_palm
 from softhand_sim.grasp.scripted import plan_grasp
 from softhand_sim.hand.anatomy import HandAnatomy
@@ -23,59 +23,21 @@ PAIR_SAMPLES = 256
 CONE_SHARE = 0.5
 # choice: in the plane across the way in, pairs may lie askew by as much as friction 0.8 allows at both ends
 ASKEW = np.sin(np.arctan(0.8))
-# choice: how far fingertips may scrape along the table; straight, they give way to about 0.1 N there
-TABLE_PRESS_M = 0.014
-# choice: the palm's edge and the lowest finger clear the table by this
-TABLE_GAP_M = 0.006
-# choice: most that the palm pushes an object along the table, and furthest that it stays away from it
-PUSH_M, AWAY_M = 0.012, 0.030
+# choice: furthest that the palm stays away from an object
+AWAY_M = 0.030
 # choice: spread of what the shape does not tell
 JITTER_M, JITTER_RAD = 0.010, 0.15
+# choice: a pulse of the valves, 2 kPa, below the 80 kPa that the shipped finger is calibrated to; 4 % more thrust than
+# 95 degrees
+FIRMEST_ANGLE_DEG = 100.0
 # choice: the thumb closes firmly always
 SOFT_ANGLES_DEG = (70.0, 85.0)
-
-
-@dataclass(frozen=True, kw_only=True)
-class HandReach:
-    """What the open hand spans, in the palm's frame.
-
-    Attributes
-    ----------
-    depth_m: of the straight fingertips below the palm.
-    opening_m: between thumb and middle finger at half that depth, pads' thickness taken off.
-    centre_m: middle of that opening along the palm's x axis.
-    half_width_m: of palm and fingers along y.
-    """
-
-    depth_m: float
-    opening_m: float
-    centre_m: float
-    half_width_m: float
-
-    @classmethod
-    def of(cls, calibration: FingerCalibration, anatomy: HandAnatomy) -> "HandReach":
-        """Measure a hand at rest."""
-        finger, mounts = calibration.finger, anatomy.mounts
-        radius = finger.outer_radius_m
-        tips = {n: np.array(mounts[n].base_m) + finger.length_m * mounts[n].rotation()[:, 2] for n in FINGERS}
-        depth = max(tip[2] for tip in tips.values())
-        middles = {}
-        for name in ("thumb", "middle"):
-            base = np.array(mounts[name].base_m)
-            middles[name] = base[0] + (0.5 * depth - base[2]) / (tips[name][2] - base[2]) * (tips[name][0] - base[0])
-        widest = max(0.5 * anatomy.palm_size_m[1], *(abs(tip[1]) + radius for tip in tips.values()))
-        return cls(
-            depth_m=float(depth),
-            opening_m=float(middles["middle"] - middles["thumb"] - 2.0 * radius),
-            centre_m=float(0.5 * (middles["middle"] + middles["thumb"])),
-            half_width_m=float(widest),
-        )
 
 
 def candidates(
     model: ObjectModel, calibration: FingerCalibration, anatomy: HandAnatomy, rng: np.random.Generator
 ) -> Iterator[GraspPlan]:
-    """Yield grasp poses without end, from above and from the side by turns; more of them never change the first ones.
+    """Yield grasp poses without end: from above, from the side, leaning over; more of them never change the first ones.
 
     The first one is the scripted grasp.
 
@@ -97,16 +59,13 @@ def candidates(
     yield plan_grasp(model)
     number = 0
     while True:
-        if len(level) and number % 4 < 2:
+        if len(level) and number // len(_FAMILIES) % 2 == 0:
             anchor, across = _near_centre(pairs, level, rng)
         else:
             anchor, across = np.zeros(3), np.append(main[:, rng.integers(2)], 0.0)
         across = across * rng.choice((-1.0, 1.0))
         turn = np.arctan2(across[1], across[0]) + rng.normal(0.0, JITTER_RAD)
-        if number % 2 == 0:
-            yield _from_above(model, reach, anchor, turn, rng)
-        else:
-            yield _from_the_side(model, reach, anchor, turn, rng)
+        yield _FAMILIES[number % len(_FAMILIES)](model, reach, anchor, turn, rng)
         number += 1
 
 
@@ -160,14 +119,26 @@ def _from_the_side(
     return _plan(place, axes, tuple(-inward), rng)
 
 
+def _leaning(
+    model: ObjectModel, reach: HandReach, anchor: Vector, turn_rad: float, rng: np.random.Generator
+) -> GraspPlan:
+    """Palm leaning over in any direction."""
+    place, axes, retreat = from_anywhere(model, reach, anchor, turn_rad, rng)
+    return _plan(place, axes, tuple(float(v) for v in retreat), rng)
+
+
+_FAMILIES = (_from_above, _from_the_side, _leaning)
+
+
 def _plan(place: Vector, axes: Vector, retreat: tuple[float, ...], rng: np.random.Generator) -> GraspPlan:
     return GraspPlan(wrist_pose=pose_of_palm(place, axes), retreat=retreat, set_angle_deg=set_angles_deg(rng))
 
 
 def set_angles_deg(rng: np.random.Generator) -> tuple[float, ...]:
     """Draw set angles: firm ones, in half of the draws the four fingers softer, against the one thumb."""
-    long_fingers = float(rng.choice(SOFT_ANGLES_DEG)) if rng.uniform() < 0.5 else FIRM_ANGLE_DEG
-    return FIRM_ANGLE_DEG, long_fingers, long_fingers
+    firm = float(rng.choice((FIRM_ANGLE_DEG, FIRMEST_ANGLE_DEG)))
+    long_fingers = float(rng.choice(SOFT_ANGLES_DEG)) if rng.uniform() < 0.5 else firm
+    return firm, long_fingers, long_fingers
 
 
 def _turned(angle_rad: float) -> Vector:

@@ -1,7 +1,7 @@
 """The cheap closing that grasp candidates are scored by: many worlds at once inside the engine, pressures played back.
 
-The hand comes in, closes and lifts by a few centimetres, as in a trial, but nothing is fed back: the pressures are
-those of a closing in free air, and friction within the fingers is left out. Then the object's load grows.
+The hand comes in, closes and lifts until the object must be off the table, as in a trial, but nothing is fed back: the
+pressures are those of a closing in free air, and friction within the fingers is left out. Then the object's load grows.
 """
 
 from collections.abc import Sequence
@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 from mujoco import rollout
 
-from softhand_sim.calibration import FingerCalibration
+from softhand_sim.calibration import JOINT_RANGE_RAD, FingerCalibration
 from softhand_sim.effects import BENCH
 from softhand_sim.effects.build import TICK_S
 from softhand_sim.effects.rehearsal import rehearse
@@ -21,9 +21,11 @@ from softhand_sim.grasp.contacts import ContactMap
 from softhand_sim.grasp.place import Offset, on_table
 from softhand_sim.grasp.plan import GraspPlan
 from softhand_sim.grasp.protocol import GraspProtocol
+from softhand_sim.grasp.verdict import Thresholds
 from softhand_sim.hand.anatomy import HandAnatomy
 from softhand_sim.hand.index import HandIndex
 from softhand_sim.hand.scene import EngineSettings
+from softhand_sim.objects.model import ObjectModel
 
 Vector = npt.NDArray[np.float64]
 
@@ -35,15 +37,20 @@ START_DEPTH_M = 0.5e-3
 _WORLDS_AT_ONCE = 32
 
 
-# choice: further than the largest slip allowed, so that what stays on the table counts as lost
-LIFT_M = 0.025
+# choice: what the lift has to spare over the largest slip and tilt allowed, so that what stays on the table, with one
+# end or all of it, counts as lost. A banana that was lifted by 25 mm alone stood on its end and looked held
+SPARE_M, SHORTEST_LIFT_M = 0.005, 0.025
 # choice: the object comes off the table with most of its weight; then its load grows. A load that grows faster looks
-# held by what takes time to slip out: a mug that is lost in trials at its weight was lost here at 1.04 to 1.19 of it
+# held by what takes time to slip out: a mug that is lost in trials at its weight was lost here at 1.04 to 1.19 of it.
+# All of the weight at once tells trials no better apart, and leaves a search without a slope to climb
 FIRST_LOAD, LAST_LOAD = 0.6, 1.4
 LOADING_S = 0.8
 # choice: a hand that has to be pressed onto object or table with more than this does not count as having come in; it
 # would force a can between the fingers' bases with all the strength of the arm
 PRESS_N = 10.0
+# choice: a hold that a joint's stop carries is refused: a finger bent back is not calibrated, and nobody knows where it
+# would stop; one that touches the stop for a moment is not
+STOPPED_SHARE = 0.25
 # choice: held pressures end up to a pulse, 2 kPa, below the set ones; an apple that is drawn in still moves when the
 # last finger has filled
 FILLED = 0.97
@@ -67,6 +74,7 @@ class Closing:
     rest_height_m: of the object's mass centre.
     protocol: its way in and its limits of slip and tilt.
     anatomy: the wrist's speed.
+    lift_m: height that the hand gains; see `lift_of`.
     """
 
     model: mujoco.MjModel
@@ -74,12 +82,14 @@ class Closing:
     rest_height_m: float
     protocol: GraspProtocol
     anatomy: HandAnatomy
+    lift_m: float
 
     def load_factors(self, plans: Sequence[GraspPlan], offsets: Sequence[Offset], haste: float = 1.0) -> Vector:
         """Return the load that each plan holds for each displacement of the object, shape (plans, offsets).
 
         In shares of the object's weight: the load at which slip or tilt passes its limit, `LAST_LOAD` if neither does,
-        0 for a start in which the hand overlaps object or table, or if it must be pressed to its pose.
+        0 for a start in which the hand overlaps object or table, if it must be pressed to its pose, or if the stop of a
+        joint that is bent back carries the load.
 
         Parameters
         ----------
@@ -135,7 +145,7 @@ class Closing:
         hand = HandIndex.of(self.model)
         lifting, load = self._lifting(plans, hand, pressure_pa, haste)
         states = self._run(starts, lifting[:, : -len(load)])
-        lifted = round(LIFT_M / (self.anatomy.wrist_speed_m_per_s * self.model.opt.timestep))
+        lifted = round(self.lift_m / (self.anatomy.wrist_speed_m_per_s * self.model.opt.timestep))
         lost = self._lost(states[:, -lifted:], states[:, -lifted - 1], hand)
         # what is lost with the first load counts by how far it came
         result = FIRST_LOAD * lost / lifted
@@ -149,7 +159,13 @@ class Closing:
             ends = self._run(states[rest, -1], lifting[rest, -len(load) :])
             lost = self._lost(ends, marks, hand)
             result[rest] = np.append(load, LAST_LOAD)[lost]
+            result[rest[self._on_a_stop(ends, hand)]] = 0.0
         return np.asarray(result)
+
+    def _on_a_stop(self, states: Vector, hand: HandIndex) -> npt.NDArray[np.bool_]:
+        """Return in which worlds, (n,), a joint rests on its lower stop in more than `STOPPED_SHARE` of the states."""
+        bent = states[:, :, 1 + hand.joint_qpos.ravel()].min(axis=2)
+        return np.asarray((bent <= JOINT_RANGE_RAD[0]).mean(axis=1) > STOPPED_SHARE)
 
     def _run(self, starts: Vector, controls: Vector) -> Vector:
         """Return the states, shape (worlds, steps, n), that controls lead to."""
@@ -164,7 +180,7 @@ class Closing:
         model, step_s = self.model, self.model.opt.timestep
         step_m = self.anatomy.wrist_speed_m_per_s * step_s
         come = np.linspace(1.0, 0.0, round(self.protocol.approach_m / (min(haste, FASTEST_WAY_IN) * step_m)) + 1)[1:]
-        up = np.linspace(0.0, LIFT_M, round(LIFT_M / step_m) + 1)[1:]
+        up = np.linspace(0.0, self.lift_m, round(self.lift_m / step_m) + 1)[1:]
         load = np.linspace(FIRST_LOAD, LAST_LOAD, round(LOADING_S / step_s))
         closed = len(come) + len(pressure_pa)
         lifted = closed + len(up)
@@ -180,7 +196,7 @@ class Closing:
             way = np.tile(plan.standoff(0.0), (len(control), 1))
             way[: len(come), :3] += self.protocol.approach_m * come[:, None] * np.array(plan.retreat)
             way[closed:lifted, 2] += up
-            way[lifted:, 2] += LIFT_M
+            way[lifted:, 2] += self.lift_m
             control[:, hand.wrist_ctrl] = way
         return controls, load
 
@@ -197,6 +213,12 @@ class Closing:
         # not a number is lost, too
         kept = (slip <= limits.slip_m) & (tilt <= limits.tilt_rad)
         return np.asarray(np.where(kept.all(axis=1), states.shape[1], np.argmin(kept, axis=1)))
+
+
+def lift_of(model: ObjectModel, limits: Thresholds) -> float:
+    """Return the height (m) from which no part of an object within the limits of slip and tilt reaches the table."""
+    furthest_m = float(np.linalg.norm(np.asarray(model.mesh.vertices)[:, :2], axis=1).max())
+    return max(SHORTEST_LIFT_M, limits.slip_m + furthest_m * float(np.sin(min(limits.tilt_rad, np.pi / 2))) + SPARE_M)
 
 
 def overlap_m(contacts: ContactMap, data: mujoco.MjData) -> float:

@@ -16,6 +16,8 @@ from softhand_sim.hand.anatomy import HandAnatomy
 from softhand_sim.objects.cache import cache_folder
 from softhand_sim.objects.model import ObjectModel
 
+# choice: what full trials then choose from; scores tell little more apart
+MOST = 8
 _LOG = logging.getLogger(__name__)
 
 
@@ -26,24 +28,26 @@ def kept_or_searched(
     protocol: GraspProtocol,
     budget: int = DEFAULT_BUDGET,
     seed: int = 0,
-) -> KeptGrasp:
-    """Return the best grasp that a search finds, from the cache if the same search was done before.
+) -> tuple[KeptGrasp, ...]:
+    """Return the best few grasps that a search finds, best first, from the cache if the same search was done before.
 
     See `search_grasp` for the arguments and what it raises. A damaged or unwritable cache costs a search, no more.
     """
     anatomy = HandAnatomy()
     path = cache_folder() / "grasps" / f"{_key(model, calibration, protocol, budget, seed, anatomy)}.toml"
     try:
-        return next(iter(load_grasps(path).grasps.values()))
+        return tuple(load_grasps(path).grasps.values())
     except FileNotFoundError:
         pass
     except (ValueError, OSError) as error:
         _LOG.warning("kept grasp is damaged and searched again: %s", error)
     found = search_grasp(model, calibration, protocol=protocol, budget=budget, seed=seed, anatomy=anatomy)
-    best = found.grasps[0]
-    kept = KeptGrasp(plan=rounded(best.plan), score=round(best.score, 3), closings=found.closings)
+    kept = tuple(
+        KeptGrasp(plan=rounded(one.plan), score=round(one.score, 3), closings=found.closings)
+        for one in found.grasps[:MOST]
+    )
     try:
-        write_grasps(path, GraspFile(grasps={"object": kept}))
+        write_grasps(path, GraspFile(grasps={str(place): one for place, one in enumerate(kept, start=1)}))
     except OSError as error:
         _LOG.warning("grasp not kept in %s: %s", path.parent, error)
     return kept

@@ -6,8 +6,8 @@ import numpy as np
 import numpy.typing as npt
 
 from softhand_sim.calibration import FingerCalibration
-from softhand_sim.grasp.choice.candidates import JITTER_M, JITTER_RAD, candidates, some
-from softhand_sim.grasp.choice.closing import ENGINE, Closing
+from softhand_sim.grasp.choice.candidates import JITTER_M, JITTER_RAD, candidates, set_angles_deg, some
+from softhand_sim.grasp.choice.closing import ENGINE, Closing, lift_of
 from softhand_sim.grasp.place import Offset
 from softhand_sim.grasp.plan import GraspPlan
 from softhand_sim.grasp.protocol import GraspProtocol, Offsets
@@ -32,10 +32,14 @@ MARGIN_SHARE = 0.2
 GOOD_ENOUGH = 0.9
 # choice: what does not even lift most of the weight without any displacement is not made better by variations
 HOPELESS = 0.45
-# choice: shares of the budget for candidates closed once, in blocks, and for each round of variations; the rest is for
-# the last few
-SCREENED, VARIED, ROUNDS = 0.45, 0.13, 2
-BLOCK = 24
+# choice: shares of the budget that are spent when candidates have been closed once, in blocks, and when they have been
+# varied, a brood at a time; and for the first closings of the better candidates beside their place
+SCREENED, SEEDED, VARIED = 0.4, 0.12, 0.85
+BLOCK, BROOD = 24, 8
+# choice: variations keep near by the end, so that a larger budget goes on to finer steps
+LAST_SPREAD = 0.35
+# choice: a variation in five has other set angles
+OTHER_ANGLES = 0.2
 # choice: haste of closings for candidates and for variations; the last ones run in real time
 HASTE, LESS_HASTE = 4.0, 2.0
 # choice: displacements for each variation, and for each of the last ones
@@ -98,7 +102,7 @@ def search_grasp(
         raise ValueError(f"budget: {budget} must be {SMALLEST_BUDGET} or above")
     hand = anatomy or HandAnatomy()
     pose_rng, noise_rng, vary_rng = np.random.default_rng([seed, _STREAM]).spawn(3)
-    few, many = ([NOISE.draw(noise_rng, 0) for _ in range(n)] for n in (FEW, MANY))
+    few, many = (displacements(noise_rng, n) for n in (FEW, MANY))
     field = _Field(closing=closing_of(model, calibration, protocol, hand), spent=0)
     proposed = candidates(model, calibration, hand, pose_rng)
     scripted = field.closed(some(proposed, 1), many)
@@ -115,12 +119,15 @@ def search_grasp(
             # enough without displacement says little here
             break
     if found[0].score < HOPELESS:
-        return SearchResult(grasps=tuple(found), closings=field.spent)
-    count = max(PARENTS, round(VARIED * budget) // FEW)
+        # none is worth a trial more than another
+        return SearchResult(grasps=(found[0],), closings=field.spent)
+    count = max(PARENTS, round(SEEDED * budget) // FEW)
     found = field.closed([grasp.plan for grasp in found[:count]], few, LESS_HASTE)
-    for _ in range(ROUNDS):
+    first = field.spent
+    while field.spent < VARIED * budget:
+        spread = 1.0 - (1.0 - LAST_SPREAD) * (field.spent - first) / (VARIED * budget - first)
         parents = [grasp.plan for grasp in found[:PARENTS]]
-        new = [varied(parents[i % len(parents)], vary_rng) for i in range(count)]
+        new = [varied(parents[i % len(parents)], vary_rng, spread) for i in range(BROOD)]
         found = ranked(found + field.closed(new, few, LESS_HASTE))
     last = max(1, (budget - field.spent) // MANY)
     found = ranked(scripted + field.closed([grasp.plan for grasp in found[:last]], many))
@@ -138,6 +145,7 @@ def closing_of(
         rest_height_m=model.rest_height_m,
         protocol=protocol,
         anatomy=anatomy,
+        lift_m=lift_of(model, protocol.thresholds),
     )
 
 
@@ -170,9 +178,17 @@ def ranked(grasps: list[ScoredGrasp]) -> list[ScoredGrasp]:
     return sorted(grasps, key=lambda grasp: -grasp.score)
 
 
-def varied(plan: GraspPlan, rng: np.random.Generator) -> GraspPlan:
-    """Return a grasp near another one."""
-    spread = np.array([0.6 * JITTER_M] * 3 + [JITTER_RAD, 0.6 * JITTER_RAD, 0.6 * JITTER_RAD])
+def displacements(rng: np.random.Generator, count: int) -> list[Offset]:
+    """Draw displacements within `NOISE`, each quadrant in its turn: a few of them show every side."""
+    drawn = [NOISE.draw(rng, 0) for _ in range(count)]
+    signs = ((1.0, 1.0), (-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0))
+    return [(abs(x) * signs[i % 4][0], abs(y) * signs[i % 4][1], yaw) for i, (x, y, yaw) in enumerate(drawn)]
+
+
+def varied(plan: GraspPlan, rng: np.random.Generator, share: float = 1.0) -> GraspPlan:
+    """Return a grasp near another one; `share` of the usual spread away from it."""
+    spread = share * np.array([0.6 * JITTER_M] * 3 + [JITTER_RAD, 0.6 * JITTER_RAD, 0.6 * JITTER_RAD])
     pose = np.array(plan.wrist_pose) + spread * rng.normal(size=6)
     pose[3:] = (pose[3:] + np.pi) % (2.0 * np.pi) - np.pi
-    return replace(plan, wrist_pose=tuple(float(v) for v in pose))
+    angles = set_angles_deg(rng) if rng.uniform() < OTHER_ANGLES else plan.set_angle_deg
+    return replace(plan, wrist_pose=tuple(float(v) for v in pose), set_angle_deg=angles)
