@@ -1,6 +1,6 @@
 """Tables of accuracy against time as Markdown."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from softhand_sim.fidelity.front import non_dominated
@@ -13,10 +13,10 @@ def finger(table: Row) -> str:
     rows = sorted(table["rungs"], key=lambda row: row["processor_s_per_sweep"])
     best = non_dominated([r["angle_error_deg"] for r in rows], [r["processor_s_per_sweep"] for r in rows])
     bar = table["error_bar"]
+    force_bar = "unknown" if bar["force_ratio"] is None else f"{100 * bar['force_ratio']:.1f} %"
     lines = [
         f"Reference: FEA {table['reference']}; error bar, from the next coarser mesh, {bar['angle_deg']:.2f} degrees, "
-        f"{1e3 * bar['tip_m']:.2f} mm. Force: FEA {table['force_reference']}, error bar "
-        f"{100 * bar['force_ratio']:.1f} % (from {table['force_error_bar_from']}).",
+        f"{1e3 * bar['tip_m']:.2f} mm. Force: FEA {table['force_reference']}, error bar {force_bar}.",
         "",
         "| rung | tip angle, degrees RMS (max) | tip position, mm RMS | blocked force, % | processor s a sweep "
         "| s a simulated s | repeat |",
@@ -97,3 +97,21 @@ def honour(rows: Sequence[Row]) -> str:
             f"| {row['processor_s'] / row['finest_processor_s']:.2f} |"
         )
     return "\n".join(lines)
+
+
+def with_tables(page: str, tables: Mapping[str, str]) -> str:
+    """Return a page with its tables replaced: what stands between ``<!-- NAME -->`` and ``<!-- end -->``.
+
+    Raises
+    ------
+    ValueError
+        If the page has no place for one of them.
+    """
+    for name, table in tables.items():
+        begin, end = f"<!-- {name} -->\n", "\n<!-- end -->"
+        start = page.find(begin)
+        stop = page.find(end, start)
+        if start < 0 or stop < 0:
+            raise ValueError(f"the page has no {begin.strip()} ... {end.strip()}")
+        page = page[: start + len(begin)] + table + page[stop:]
+    return page

@@ -1,12 +1,15 @@
 """Plots of accuracy against time: named points, error bars, the front drawn; log-log."""
 
 from collections.abc import Sequence
+from math import log10
 from pathlib import Path
 from typing import Any
 
 from softhand_sim.fidelity.front import non_dominated
 
 Row = dict[str, Any]
+LINE = 0.033
+"""Height of a line of names, as a share of the plot's."""
 _KINDS = {"closed": "#8c6bb1", "calibrated": "#8c6bb1", "three": "#e6550d", "links": "#e6550d", "FEA": "#3182bd"}
 
 
@@ -38,13 +41,44 @@ def _panel(axis: Any, rows: Sequence[Row], key: str, scale: float, bar: float) -
         # below the reference's own error bar nothing can be told
         low = min(error - 1e-3 * error, bar)
         axis.errorbar(cost, error, yerr=[[low], [bar]], fmt="o", color=colour, ms=6, lw=0.8, capsize=2)
-        label = row["name"].replace("closed form, ", "")
-        axis.annotate(label, (cost, error), fontsize=7, xytext=(5, 4), textcoords="offset points")
+    names = [row["name"].replace("closed form, ", "") for row in rows]
+    _label(axis, names, costs, errors)
     chosen = non_dominated(errors, costs)
     axis.step([costs[k] for k in chosen], [errors[k] for k in chosen], where="post", color="0.4", lw=1.0, zorder=0)
     axis.axhspan(0.0, bar, color="0.92", zorder=-1)
-    axis.set(xscale="log", yscale="log", ylim=(0.4 * min([*errors, bar]), 2.5 * max(errors)))
+    axis.set(
+        xscale="log",
+        yscale="log",
+        xlim=(0.5 * min(costs), 6.0 * max(costs)),
+        ylim=(0.4 * min([*errors, bar]), 2.5 * max(errors)),
+    )
     axis.grid(visible=True, which="major", lw=0.3)
+
+
+def _label(axis: Any, names: Sequence[str], x: Sequence[float], y: Sequence[float]) -> None:
+    """Write names beside points, each as near as it goes without lying on one written before (axes are logarithmic)."""
+    taken: list[tuple[float, float, float]] = []
+    for k in sorted(range(len(names)), key=lambda k: -y[k]):
+        # in widths and heights of the plot, roughly: a name is as wide as its letters
+        across, up, wide = log10(x[k] / min(x)) / _spread(x), log10(y[k] / min(y)) / _spread(y), 0.012 * len(names[k])
+        shift = next(
+            d
+            for d in sorted(range(-40, 41), key=abs)
+            if not any(
+                abs(up + 0.01 * d - other) < LINE and left < across + wide and across < left + width
+                for left, other, width in taken
+            )
+        )
+        taken.append((across, up + 0.01 * shift, wide))
+        line = {"arrowstyle": "-", "lw": 0.3, "color": "0.6"} if abs(shift) > 3 else None
+        place = (6.0, 3.0 * shift)
+        axis.annotate(
+            names[k], (x[k], y[k]), fontsize=6.5, va="bottom", xytext=place, textcoords="offset points", arrowprops=line
+        )
+
+
+def _spread(values: Sequence[float]) -> float:
+    return max(log10(max(values) / min(values)), 1e-6)
 
 
 def draw_scene(points: Sequence[Row], file: Path) -> None:
@@ -65,7 +99,7 @@ def draw_scene(points: Sequence[Row], file: Path) -> None:
             colour = "#e6550d" if row["kind"] == "numerics" else "#31a354"
             middle = max(scale * row[median], 1e-3 * error)
             axis.errorbar(cost, error, yerr=[[error - middle], [0.0]], fmt="o", color=colour, ms=5, lw=0.6)
-            axis.annotate(row["name"], (cost, error), fontsize=6.5, xytext=(4, 3), textcoords="offset points")
+        _label(axis, [row["name"] for row in rows], costs, errors)
         own = [k for k, row in enumerate(rows) if row["kind"] == "numerics"]
         chosen = [own[k] for k in non_dominated([errors[k] for k in own], [costs[k] for k in own])]
         axis.step([costs[k] for k in chosen], [errors[k] for k in chosen], where="post", color="0.4", lw=1.0, zorder=0)
@@ -75,6 +109,7 @@ def draw_scene(points: Sequence[Row], file: Path) -> None:
             xlabel="processor time over that of the bare engine at the default",
             ylabel=label,
         )
+        axis.set_xlim(0.8 * min(costs), 2.2 * max(costs))
         axis.grid(visible=True, which="major", lw=0.3)
     figure.suptitle("Scenes: error that 97 % of them are within (down to the median), and what it costs")
     figure.savefig(file, dpi=110)

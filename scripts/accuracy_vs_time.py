@@ -23,9 +23,11 @@ from softhand_sim.fidelity.front import load_front, shipped_front
 EXAMPLES = """examples:
   accuracy_vs_time.py --json out/accuracy.json           # all parts; the finite elements' runs are data
   accuracy_vs_time.py scene --front assets/accuracy/front.json
+  accuracy_vs_time.py --docs docs --front assets/accuracy/front.json   # the shipped page, plots and front
   accuracy_vs_time.py scene --points "1 ms" "4 ms" --scenes 4 --json out/two.json
 """
 PARTS = ("finger", "scene", "growth", "honour")
+PAGE = "accuracy.md"
 TOLERANCES = "1,0.5 2,1 3,1 4,2 6,2"
 
 
@@ -44,6 +46,8 @@ def parser() -> _cli.Parser:
     p.add_argument("--repeats", type=_cli.positive_int, default=3, help="of each timed run (%(default)s)")
     p.add_argument("--fea", type=Path, help="runs of accuracy_fea.py (assets/accuracy/finger_fea.json)")
     p.add_argument("--front", type=Path, metavar="FILE", help="write the scene's points to this file as well")
+    text = f"folder of {PAGE}: its tables and pictures are brought up to date"
+    p.add_argument("--docs", type=Path, metavar="DIR", help=text)
     p.add_argument("--out", type=Path, default=Path("out/accuracy"), help="folder of runs and plots (%(default)s)")
     p.add_common(seed="of the drawn scenes", json="write all tables to this file")
     return p
@@ -78,7 +82,7 @@ def _job(argv: Sequence[str] | None) -> int:
             data["growth"] = _accuracy_growth.growth(calibration, fea, 3 * args.repeats, lambda: _tick(bar))
     if "honour" in parts:
         data["honour"] = _honour(args, calibration)
-    _write(args.out, data)
+    _write(args.out, data, args.docs)
     if args.json is not None:
         _cli.write_json(args.json, data)
     return 0
@@ -99,21 +103,27 @@ def _tick(bar: Any) -> None:
     bar.update()
 
 
-def _write(folder: Path, data: dict[str, Any]) -> None:
-    """Print the tables, and write them and the plots to a folder."""
-    pages = []
+def _write(folder: Path, data: dict[str, Any], docs: Path | None) -> None:
+    """Print the tables, and write them and the plots to a folder; bring the page and its pictures up to date."""
+    tables: dict[str, str] = {}
+    pictures = [folder] if docs is None else [folder, docs]
     if "finger" in data:
-        pages.append(_accuracy_page.finger(data["finger"]))
-        _accuracy_pictures.draw_finger(data["finger"], folder / "accuracy.png")
+        tables["finger"] = _accuracy_page.finger(data["finger"])
+        for place in pictures:
+            _accuracy_pictures.draw_finger(data["finger"], place / "accuracy.png")
     if "scene" in data:
-        pages.append(_accuracy_page.scene(data["scene"]["points"]))
-        _accuracy_pictures.draw_scene(data["scene"]["points"], folder / "accuracy-scene.png")
+        tables["scene"] = _accuracy_page.scene(data["scene"]["points"])
+        for place in pictures:
+            _accuracy_pictures.draw_scene(data["scene"]["points"], place / "accuracy-scene.png")
     if "growth" in data:
-        pages.append(_accuracy_page.growth(data["growth"]))
+        tables["growth"] = _accuracy_page.growth(data["growth"])
     if "honour" in data:
-        pages.append(_accuracy_page.honour(data["honour"]))
-    text = "\n\n".join(pages) + "\n"
+        tables["honour"] = _accuracy_page.honour(data["honour"])
+    text = "\n\n".join(tables.values()) + "\n"
     _cli.write_text(folder / "tables.md", text)
+    if docs is not None:
+        page = docs / PAGE
+        _cli.write_text(page, _accuracy_page.with_tables(page.read_text(encoding="utf-8"), tables))
     print(text)
 
 

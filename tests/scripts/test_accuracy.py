@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from scripts import _accuracy_finger, _accuracy_growth, _accuracy_honour, accuracy_fea, accuracy_vs_time
+from scripts import _accuracy_finger, _accuracy_growth, _accuracy_honour, _accuracy_page, accuracy_fea, accuracy_vs_time
 from softhand_sim.effects.scene import Tolerance
 from softhand_sim.fidelity.fidelity import FINEST, Fidelity, Measured
 from softhand_sim.fidelity.front import Front
@@ -45,6 +45,14 @@ def test_the_reference_s_error_is_that_of_the_next_mesh(calibration, tmp_path, m
     assert rows["FEA coarse-P2"]["force_error_ratio"] == pytest.approx(0.2)
     assert rows["FEA reference-P2"]["angle_error_deg"] == pytest.approx(1.0)
     assert rows["closed form, flat strip"]["processor_s_per_sweep"] < 1e-3
+
+
+def test_a_page_s_tables_are_replaced_and_nothing_else():
+    page = "head\n<!-- one -->\nold\n<!-- end -->\nmiddle\n<!-- two -->\n\n<!-- end -->\n"
+    found = _accuracy_page.with_tables(page, {"one": "new", "two": "more"})
+    assert found == "head\n<!-- one -->\nnew\n<!-- end -->\nmiddle\n<!-- two -->\nmore\n<!-- end -->\n"
+    with pytest.raises(ValueError, match="three"):
+        _accuracy_page.with_tables(page, {"three": ""})
 
 
 def test_the_exponent_is_that_of_the_power_law():
