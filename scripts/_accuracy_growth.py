@@ -26,7 +26,8 @@ Row = dict[str, Any]
 def growth(calibration: FingerCalibration, fea_file: Path, repeats: int, tick: Callable[[], None]) -> list[Row]:
     """Return a row a quantity: sizes, processor time of each [s], exponent and its standard error."""
     rows = []
-    runs = [run for run in read_runs(fea_file) if run["test"] == "free" and run["status"] == "converged"]
+    known = read_runs(fea_file) if fea_file.exists() else []
+    runs = [run for run in known if run["test"] == "free" and run["status"] == "converged"]
     for kind in ("P1", "P2"):
         of_kind = sorted(
             (run["dofs"], run["processor_s"] / run["newton_iterations"]) for run in runs if run["formulation"] == kind

@@ -13,10 +13,13 @@ def finger(table: Row) -> str:
     rows = sorted(table["rungs"], key=lambda row: row["processor_s_per_sweep"])
     best = non_dominated([r["angle_error_deg"] for r in rows], [r["processor_s_per_sweep"] for r in rows])
     bar = table["error_bar"]
+    own = "unknown"
+    if bar["angle_deg"] is not None:
+        own = f"{bar['angle_deg']:.2f} degrees, {1e3 * bar['tip_m']:.2f} mm, from the next coarser mesh"
     force_bar = "unknown" if bar["force_ratio"] is None else f"{100 * bar['force_ratio']:.1f} %"
     lines = [
-        f"Reference: FEA {table['reference']}; error bar, from the next coarser mesh, {bar['angle_deg']:.2f} degrees, "
-        f"{1e3 * bar['tip_m']:.2f} mm. Force: FEA {table['force_reference']}, error bar {force_bar}.",
+        f"Reference: FEA {table['reference']}; error bar: {own}. Force: FEA {table['force_reference']}; error bar: "
+        f"{force_bar}.",
         "",
         "| rung | tip angle, degrees RMS (max) | tip position, mm RMS | blocked force, % | processor s a sweep "
         "| s a simulated s | repeat |",

@@ -22,7 +22,7 @@ def draw_finger(table: Row, file: Path) -> None:
 
     figure, axes = plt.subplots(1, 2, figsize=(13, 5.4), constrained_layout=True)
     rows = table["rungs"]
-    _panel(axes[0], rows, "angle_error_deg", 1.0, table["error_bar"]["angle_deg"])
+    _panel(axes[0], rows, "angle_error_deg", 1.0, table["error_bar"]["angle_deg"] or 0.0)
     axes[0].set(ylabel="RMS error of the tip angle / degrees")
     forced = [row for row in rows if row["force_error_ratio"]]
     _panel(axes[1], forced, "force_error_ratio", 100.0, 100.0 * (table["error_bar"]["force_ratio"] or 0.0))
@@ -50,7 +50,7 @@ def _panel(axis: Any, rows: Sequence[Row], key: str, scale: float, bar: float) -
         xscale="log",
         yscale="log",
         xlim=(0.5 * min(costs), 6.0 * max(costs)),
-        ylim=(0.4 * min([*errors, bar]), 2.5 * max(errors)),
+        ylim=(0.4 * min([*errors, bar or errors[0]]), 2.5 * max(errors)),
     )
     axis.grid(visible=True, which="major", lw=0.3)
 

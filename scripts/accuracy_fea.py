@@ -83,15 +83,15 @@ def job(argv: Sequence[str] | None = None) -> int:
     out = args.out if args.out is not None else asset_path("accuracy") / "finger_fea.json"
     for path in (args.json, out):
         _cli.check_writable(path)
-    kept = read_runs(out) if out.exists() else []
     wanted = [(RUNGS[rung], test) for rung, test in product(args.rungs, args.tests)]
     runs = []
     for rung, test in wanted:
-        # what other processes have finished meanwhile must not be lost
         kept = read_runs(out) if out.exists() else []
         run = next((r for r in kept if _is(r, rung, test) and r["code_sha256"] == code_version()), None)
         if run is None:
             run = solve(rung, test, args.work)
+            # what another process has finished meanwhile must not be lost
+            kept = read_runs(out) if out.exists() else []
             kept = [r for r in kept if not _is(r, rung, test)] + [run]
             _cli.write_json(out, {"schema": SCHEMA, "schema_version": SCHEMA_VERSION, "runs": kept})
         runs.append(run)

@@ -67,7 +67,7 @@ def _job(argv: Sequence[str] | None) -> int:
     for path in (args.json, args.front, args.out / "numerics.json"):
         _cli.check_writable(path)
     groups = _groups(args.points)
-    fea = args.fea or (asset_path("accuracy", "finger_fea.json") if {"finger", "growth"} & set(parts) else Path())
+    fea = args.fea or asset_path("accuracy") / "finger_fea.json"
     calibration, data = load_calibration(), dict[str, Any]()
     if "finger" in parts:
         with tqdm(total=4 + len(_accuracy_finger.LINKS), desc="finger", unit="rung") as bar:
