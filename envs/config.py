@@ -19,6 +19,7 @@ from softhand_sim.checks import require_in
 from softhand_sim.effects import FULL, PRESETS, Effects
 from softhand_sim.effects.build import TICK_S
 from softhand_sim.effects.scene import Tolerance
+from softhand_sim.fidelity.fidelity import Fidelity
 from softhand_sim.hand.anatomy import HandAnatomy
 from softhand_sim.hand.scene import EngineSettings
 from softhand_sim.objects.catalogue import make_object
@@ -57,7 +58,8 @@ class EnvConfig:
         ``none``, ``place``, ``domain``, or a `Randomization`.
     effects, tolerance
         ``ideal``, ``bench``, ``full``, `Effects`, or ``auto``: all effects but those that each scene does not call for,
-        by a `Tolerance`.
+        by a `Tolerance`. A tolerance without an ``engine`` also picks that, the cheapest measured one within half of
+        it (`Fidelity.for_tolerance`); the effects that are left out have the other half. ``info`` of a reset tells.
     engine
         Time step and solver.
     calibrations
@@ -109,8 +111,16 @@ class EnvConfig:
         return ObservationMode(self.observation_mode)
 
     @property
+    def fidelity(self) -> Fidelity | None:
+        """What the tolerance picked; None without a tolerance, or with an engine of one's own."""
+        if self.tolerance is None or self.engine is not None:
+            return None
+        return Fidelity.within(self.tolerance, effects_too=True)
+
+    @property
     def _engine(self) -> EngineSettings:
-        return self.engine or EngineSettings()
+        picked = self.fidelity
+        return self.engine or (EngineSettings() if picked is None else picked.engine)
 
     @property
     def _effects(self) -> Effects:
@@ -143,7 +153,8 @@ class EnvConfig:
         wanted = _all_of(self.calibrations)
         if not wanted:
             raise ValueError("calibrations = []: must be one or more")
-        tolerance = self.tolerance
+        picked = self.fidelity
+        tolerance = self.tolerance if picked is None else picked.auto_effects
         if tolerance is None and self.effects == AUTO:
             tolerance = AUTO_TOLERANCE
         speed = self.wrist_speed_m_per_s
@@ -177,6 +188,7 @@ class EnvConfig:
             control_period_s=self.control_period_s,
             sparse=self.mode is ObservationMode.GOAL,
             has_gas=settings.effects.gas is not None,
+            fidelity=self.fidelity,
         )
 
 

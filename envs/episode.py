@@ -15,6 +15,7 @@ from envs.observations import Layout
 from envs.options import OPTIONS, fixed
 from envs.task import Task
 from envs.world import World, WorldCache
+from softhand_sim.fidelity.fidelity import Fidelity
 from softhand_sim.grasp.place import place_object
 from softhand_sim.hand.hand import HINGE_RANGE_RAD, SLIDE_RANGE_M
 from softhand_sim.objects.model import ObjectModel
@@ -53,6 +54,8 @@ class EpisodeSpec:
         Whether the reward is the goal's.
     has_gas
         Whether there are valves and sensors.
+    fidelity
+        What a tolerance picked; None without one.
     """
 
     action: ActionSpec
@@ -62,6 +65,7 @@ class EpisodeSpec:
     control_period_s: float
     sparse: bool
     has_gas: bool
+    fidelity: Fidelity | None = None
 
 
 class Episode:
@@ -124,7 +128,8 @@ class Episode:
         place_object(world.simulation, world.rest_height_m, (*self.draw.object_offset_m, self.draw.object_yaw_rad))
         self.task.begin(world, rng, options)
         self.look()
-        return self._drawn(world.object)
+        picked = {} if spec.fidelity is None else spec.fidelity.told()
+        return self._drawn(world.object) | picked
 
     def enter(self, draw: Draw) -> None:
         """Go to the world of a draw."""

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from copy import copy
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,7 @@ from envs.errors import BadOptionError
 from envs.observations import Field
 from envs.task import Verdict
 from envs.world import World
+from softhand_sim.checks import require_in
 from softhand_sim.grasp.choice.shipped import default_grasp
 from softhand_sim.grasp.plan import GraspPlan
 from softhand_sim.grasp.protocol_file import load_protocol
@@ -38,9 +39,13 @@ class GraspTask:
     goal_low: Vector = field(default_factory=lambda: np.full(3, -3.0))
     goal_high: Vector = field(default_factory=lambda: np.full(3, 3.0))
     lifted_s: float = 0.0
+    approach_m: float | None = None
 
     def __post_init__(self) -> None:
         self._protocol = load_protocol()
+        if self.approach_m is not None:
+            require_in("approach_m", self.approach_m, 1e-3, 0.3)
+            self._protocol = replace(self._protocol, approach_m=self.approach_m)
         self._home = self._goal = np.zeros(3)
         self._grasp = np.zeros(6)
         self._plans: dict[str, GraspPlan] = {}

@@ -3,7 +3,10 @@
 First, in one process, each trial is run as the benchmark runs it (object, scene, trial, record in a store), and the
 same model is stepped by the bare engine through the same states, ten steps from each 20 ms of the trial, with nothing
 else around it; one after the other, in changing order. Times are those of the processor, so that other work on the
-machine disturbs them less. Then the same plan is run by the benchmark's own processes, one and several in turn.
+machine disturbs them less. Making an object and its scene, once for all of its trials, is counted as the trials'; the
+share without it is told, too. Then the same plan is run by the benchmark's own processes, one and several in turn: with
+the start of the processes, some seconds, and from the first result on. A plan of a minute or more shows what a long run
+has; in a short one the start and the last trials, when not all workers have one, weigh more.
 """
 
 import os
@@ -34,7 +37,7 @@ from softhand_sim.simulation import HandSimulation
 
 EXAMPLES = """examples:
   benchmark_throughput.py --json out/throughput.json
-  benchmark_throughput.py --objects apple,mug --trials 10 --repeats 5
+  benchmark_throughput.py --objects apple,mug --trials 60 --repeats 5
   benchmark_throughput.py --repeats 0                            # the engine's share alone
 """
 _STATE = mujoco.mjtState.mjSTATE_INTEGRATION
@@ -63,7 +66,13 @@ class Cost:
     @property
     def engine_share(self) -> float:
         """Trials a second over those that the bare engine would reach."""
-        return self.engine_s / (self.setup_s + self.trial_s + self.record_s)
+        return _share([self])
+
+
+def _share(costs: Sequence[Cost], *, setup: bool = True) -> float:
+    """Return trials a second over those that the bare engine would reach, with or without set-up."""
+    spent = sum(c.trial_s + c.record_s + (c.setup_s if setup else 0.0) for c in costs)
+    return sum(c.engine_s for c in costs) / spent
 
 
 def parser() -> _cli.Parser:
@@ -98,23 +107,26 @@ def _job(argv: Sequence[str] | None) -> int:
         costs = [_cost(plan, name, store) for name in tqdm(names, desc="objects", unit="object", disable=None)]
     runs = [_run(plan, n) for _ in range(args.repeats) for n in dict.fromkeys((1, args.workers))]
     shares = [cost.engine_share for cost in costs]
-    share = sum(c.engine_s for c in costs) / sum(c.setup_s + c.trial_s + c.record_s for c in costs)
+    share, running = _share(costs), _share(costs, setup=False)
     print(_table(costs))
     quartiles = np.percentile(shares, [25, 75])
     print(
-        f"all: {share:.3f} of the bare engine's rate; quartiles of the objects {quartiles[0]:.3f}, {quartiles[1]:.3f}"
+        f"all: {share:.3f} of the bare engine's rate, {running:.3f} without set-up; quartiles of the objects "
+        f"{quartiles[0]:.3f}, {quartiles[1]:.3f}"
     )
     data: dict[str, Any] = {"engine_share": share, "engine_share_median": median(shares)}
+    data["engine_share_without_setup"] = running
     data["objects"] = [{**asdict(cost), "engine_share": cost.engine_share} for cost in costs]
     if runs:
         data |= {"runs": runs, **_gains(runs, args.workers)}
         for row in runs:
-            print(
-                "{workers} workers: {trials_per_s:.2f} trials/s, {process_s_per_trial:.3f} s of processor".format(**row)
+            text = (
+                "{workers} workers: {trials_per_s:.2f} trials/s, {steady_trials_per_s:.2f} from the first result on, "
             )
+            print((text + "{process_s_per_trial:.3f} s of processor a trial").format(**row))
         print(
-            f"{args.workers} workers against one: {data['speedup']:.2f} by the clock, "
-            f"{data['speedup_of_free_cores']:.2f} if each had a core of its own"
+            f"{args.workers} workers against one: {data['speedup']:.2f} by the clock, {data['steady_speedup']:.2f} from"
+            f" the first result on, {data['speedup_of_free_cores']:.2f} if each had a core of its own"
         )
     if args.json is not None:
         _cli.write_json(args.json, {"protocol": plan.protocol.name, "seed": args.seed, "cpus": os.cpu_count(), **data})
@@ -187,17 +199,18 @@ def _processor_s(job: Callable[[], None]) -> float:
 
 
 def _run(plan: BenchmarkPlan, workers: int) -> dict[str, float]:
-    """Run the whole plan with some workers; start of the processes included."""
+    """Run the whole plan with some workers: rates with the start of the processes, and from the first result on."""
     total = len(plan.objects) * plan.trials
     with tempfile.TemporaryDirectory() as folder, TrialStore(Path(folder) / "run.sqlite", plan) as store:
-        began, began_process = time.perf_counter(), _all_processes_s()
+        began, began_process, came = time.perf_counter(), _all_processes_s(), list[float]()
         for _ in tqdm(run_benchmark(plan, workers, store), total=total, desc=f"{workers} workers", disable=None):
-            pass
+            came.append(time.perf_counter())
         wall_s, process_s = time.perf_counter() - began, _all_processes_s() - began_process
     return {
         "workers": workers,
         "trials": total,
         "trials_per_s": total / wall_s,
+        "steady_trials_per_s": (total - 1) / max(came[-1] - came[0], 1e-9),
         "process_s_per_trial": process_s / total,
     }
 
@@ -207,7 +220,9 @@ def _gains(runs: Sequence[dict[str, float]], workers: int) -> dict[str, float]:
     pairs = list(zip(runs[::2], runs[1::2], strict=True)) if workers > 1 else [(row, row) for row in runs]
     return {
         "trials_per_s": median(several["trials_per_s"] for _, several in pairs),
+        "steady_trials_per_s": median(several["steady_trials_per_s"] for _, several in pairs),
         "speedup": median(several["trials_per_s"] / one["trials_per_s"] for one, several in pairs),
+        "steady_speedup": median(several["steady_trials_per_s"] / one["steady_trials_per_s"] for one, several in pairs),
         "speedup_of_free_cores": median(
             workers * one["process_s_per_trial"] / several["process_s_per_trial"] for one, several in pairs
         ),

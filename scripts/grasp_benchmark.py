@@ -19,6 +19,7 @@ from scripts._grasp_report import read_sweep, write_report
 from scripts._grasps import ChosenGrasp, add_grasps, check_search, choose_grasps, cost
 from scripts._objects import catalogue_names
 from scripts._replay import tell_repeat
+from scripts._tolerance import add_tolerance, chosen_fidelity, tell_picked
 from softhand_sim.benchmark.halves import DEVELOPMENT, REPORT, half, held_in_halves
 from softhand_sim.benchmark.pictures import draw
 from softhand_sim.benchmark.plan import BenchmarkPlan
@@ -30,12 +31,12 @@ from softhand_sim.benchmark.store import TrialStore
 from softhand_sim.grasp.protocol_file import DEFAULT, load_protocol, protocol_names
 from softhand_sim.grasp.result import TrialResult
 from softhand_sim.grasp.stage import Phase
-from softhand_sim.hand.scene import EngineSettings
 from softhand_sim.objects.batch import Batch, load_all
 from softhand_sim.objects.catalogue import load_catalogue, make_object
 from softhand_sim.objects.loader import load_mesh_object
 from softhand_sim.objects.model import DEFAULT_FRICTION, ObjectModel
 from softhand_sim.objects.ycb import load_ycb_object, ycb_names
+from softhand_sim.policy.policy_file import load_policy
 from softhand_sim.render import RenderUnavailableError
 
 EXAMPLES = """examples:
@@ -48,6 +49,8 @@ EXAMPLES = """examples:
   grasp_benchmark.py --protocol six_forces                      # or a TOML file of your own
   grasp_benchmark.py --objects mug --search 2000                # a longer search for the grasp; 0: scripted
   grasp_benchmark.py --objects mug --grasps mine.toml           # your own grasps
+  grasp_benchmark.py --objects apple --policy mine.npz          # reach and close by a learned policy
+  grasp_benchmark.py --tolerance 2,1                            # the cheapest setting within 2 degrees and 1 mm
   grasp_benchmark.py --trials 10 --check-steps 300 --workers 2  # do verdicts depend on the time step?
   grasp_benchmark.py --trials 100 --engine ray --ray-address auto --workers 64 --store out/run.sqlite
   grasp_benchmark.py --trials 10 --report out/grasps.html --sweeps out/mass/sweep.json
@@ -81,6 +84,8 @@ def parser() -> _cli.Parser:
         help=f"{', '.join(protocol_names())}, or a TOML file (default {DEFAULT})",
     )
     add_grasps(p)
+    text = "learned policy that reaches and closes in the place of the script (.npz; docs/learning.md)"
+    p.add_argument("--policy", type=Path, metavar="FILE", help=text)
     p.add_argument("--trials", type=_cli.positive_int, default=20, help="trials per object (default 20)")
     p.add_argument("--workers", type=_cli.positive_int, default=1, help="processes side by side (default 1)")
     text = "who runs the trials: processes of this machine, or a Ray cluster, an extra (default local)"
@@ -90,7 +95,8 @@ def parser() -> _cli.Parser:
     p.add_argument(
         "--store", type=Path, metavar="FILE", help="SQLite file that keeps each trial; a killed run goes on from there"
     )
-    p.add_argument("--timestep", type=_cli.positive_float, default=2.0, metavar="MS", help="in ms (default 2)")
+    p.add_argument("--timestep", type=_cli.positive_float, metavar="MS", help="in ms (default 2)")
+    add_tolerance(p)
     p.add_argument(
         "--check-steps",
         type=_cli.positive_int,
@@ -127,22 +133,26 @@ def _job(argv: Sequence[str] | None) -> int:
         raise ValueError(f"--sweeps {args.sweeps[0]}: needs --report")
     sweeps = [read_sweep(path) for path in args.sweeps]
     _ray_address(args)
-    if args.check_steps and args.timestep < 0.4:
-        raise ValueError(f"--check-steps: a quarter of --timestep {args.timestep:g} ms is below 0.1 ms")
+    args.fidelity = chosen_fidelity(args)
+    engine = args.fidelity.engine
+    if args.check_steps and engine.timestep_s < 0.4e-3:
+        raise ValueError(f"--check-steps: a quarter of {1e3 * engine.timestep_s:g} ms is below 0.1 ms")
     check_search(args.search)
     args.protocol = load_protocol(args.protocol)
+    policy = None if args.policy is None else load_policy(args.policy)
     batch = load_all(_loaders(args))
     grasps = choose_grasps(
         batch.models, own=args.grasps, search=args.search, calibration=args.calibration, protocol=args.protocol
     )
     plan = BenchmarkPlan(
-        engine=EngineSettings(timestep_s=1e-3 * args.timestep),
+        engine=engine,
         objects=batch.models,
         trials=args.trials,
         seed=args.seed,
         calibration=args.calibration,
         protocol=args.protocol,
         grasps={name: grasp.kept.plan for name, grasp in grasps.items()},
+        policy=policy,
         replays=args.replays,
     )
     total = len(plan.objects) * plan.trials
@@ -152,6 +162,7 @@ def _job(argv: Sequence[str] | None) -> int:
     check = None if args.check_steps is None else _step_check(plan, results, args)
     summary = summarise(results)
     _tell(plan, results, batch, summary, grasps, check)
+    tell_picked(args.fidelity)
     if args.json is not None:
         notes = {model.name: list(model.notes) for model in plan.objects if model.notes}
         data: dict[str, Any] = {"settings": _settings(args), "not_tried": dict(batch.failures), "notes": notes}
@@ -257,10 +268,12 @@ def _settings(args: argparse.Namespace) -> dict[str, Any]:
         "seed": args.seed,
         "mass_kg": args.mass,
         "friction": args.friction,
-        "timestep_s": 1e-3 * args.timestep,
+        "timestep_s": args.fidelity.timestep_s,
+        "fidelity": args.fidelity.data(),
         "mesh": [str(path) for path in args.mesh],
         "ycb": None if args.ycb is None else str(args.ycb),
         "protocol": asdict(args.protocol) | {"phases": [_phase(phase) for phase in args.protocol.phases]},
+        "policy_sha256": None if args.policy is None else hashlib.sha256(args.policy.read_bytes()).hexdigest(),
         "calibration_sha256": hashlib.sha256(file.read_bytes()).hexdigest(),
         "mujoco_version": version("mujoco"),
         "numpy_version": version("numpy"),

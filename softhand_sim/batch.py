@@ -133,7 +133,7 @@ class HandBatch:
     @property
     def diverged(self) -> npt.NDArray[np.bool_]:
         """Whether the engine reported an instability of a world or a coordinate of it is not finite, shape (n,)."""
-        warned = (self.engine.warning[:, [int(kind) for kind in INSTABILITY], 1] > 0).any(axis=1)
+        warned = (self.engine.warning[:, INSTABILITY, 1] > 0).any(axis=1)
         return np.asarray(warned | ~np.isfinite(self._qpos).all(axis=1))
 
     def valves_open(self) -> Vector:

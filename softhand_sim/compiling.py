@@ -8,10 +8,13 @@ changes, the type does, and the kernel is compiled anew.
 import hashlib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
 
 import numba
+import numpy as np
+from numba.core.caching import FunctionCache
 
 try:
     import fcntl
@@ -48,6 +51,39 @@ def compile_for(kernel: Any, *arguments: Any) -> None:
     if types not in kernel.overloads:
         with _alone(kernel.stats.cache_path):
             kernel.compile(types)
+
+
+def loaded(kernel: Any, *arguments: Any) -> Callable[..., Any]:
+    """Return an entry's code for the types of some arguments; it looks at no types any more, so they must be these."""
+    codes, kinds = _codes(kernel), tuple(_kind(argument) for argument in arguments)
+    if kinds not in codes:
+        compile_for(kernel, *arguments)
+        codes[kinds] = kernel.overloads[tuple(numba.typeof(argument) for argument in arguments)].entry_point
+    code: Callable[..., Any] = codes[kinds]
+    return code
+
+
+@cache
+def _codes(_: Any) -> dict[tuple[Any, ...], Callable[..., Any]]:
+    """Return the memory of `loaded` for a kernel: numba takes milliseconds to tell the type of a record."""
+    return {}
+
+
+def _kind(argument: Any) -> Any:
+    if not isinstance(argument, np.ndarray):
+        return type(argument)
+    flags = argument.flags
+    return argument.dtype, argument.ndim, flags.c_contiguous, flags.f_contiguous, flags.writeable, flags.aligned
+
+
+def callback(signature: str, function: Callable[..., Any]) -> Any:
+    """Compile a function that the engine may call, or load its code from disk; its ``address`` is an attribute."""
+    try:
+        folder = FunctionCache(function).cache_path
+    except RuntimeError:
+        return numba.cfunc(signature)(function)
+    with _alone(folder):
+        return numba.cfunc(signature, cache=True)(function)
 
 
 @contextmanager

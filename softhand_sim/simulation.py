@@ -8,8 +8,8 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from softhand_sim.actuation import EngineArrays, HandParts, prepare_actuation
-from softhand_sim.calibration import FingerCalibration
+from softhand_sim.actuation import Course, EngineArrays, HandParts, Runner, engine_runner, prepare_actuation
+from softhand_sim.calibration import JOINTS, FingerCalibration
 from softhand_sim.calibration.limits import CalibratedRange, RangeWatch
 from softhand_sim.hand.anatomy import HandAnatomy
 from softhand_sim.hand.index import HandIndex
@@ -22,8 +22,14 @@ Vector = npt.NDArray[np.float64]
 
 RANGE_WATCH_S = 0.02
 """Choice: how often range_watch looks, the sensors' period; every step would cost some per cent of a trial."""
-INSTABILITY = (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC)
-"""Warnings that mean a diverged world."""
+_BAD = (
+    mujoco.mjtWarning.mjWARN_BADQPOS,
+    mujoco.mjtWarning.mjWARN_BADQVEL,
+    mujoco.mjtWarning.mjWARN_BADQACC,
+    mujoco.mjtWarning.mjWARN_BADCTRL,
+)
+INSTABILITY = tuple(int(kind) for kind in _BAD)
+"""Numbers of the warnings that mean a diverged world: values that are no numbers, replaced by the engine."""
 
 
 def default_pneumatics(calibration: FingerCalibration) -> PneumaticSystem:
@@ -66,42 +72,57 @@ class HandSimulation:
         )
         parts = HandParts(index=self.index, calibration=self.calibration, pneumatics=self.pneumatics, losses=losses)
         self._actuation = prepare_actuation(parts, engine)
+        self._run = engine_runner(self._actuation, self.model, self.data)
+        speed, rate = self.anatomy.wrist_speed_m_per_s, self.anatomy.wrist_rate_rad_per_s
+        self._wrist, self._limits = np.zeros((2, 1, 6)), np.array([speed * self.dt, rate * self.dt])
+        # compiled steps know three hinges a finger
+        self._looks_itself = self.index.joint_qpos.shape[1] == len(JOINTS)
         self._idle = self.pneumatics is None and not losses.any
 
     def reset(self, rng: np.random.Generator, wrist_pose: Vector) -> None:
         """Start anew with empty fingers and the wrist standing at `wrist_pose`, shape (6,)."""
         mujoco.mj_resetData(self.model, self.data)
-        self.data.qpos[self.index.wrist_qpos] = wrist_pose
-        self.data.ctrl[self.index.wrist_ctrl] = wrist_pose
-        mujoco.mj_forward(self.model, self.data)
-        self.wrist_reference = np.array(wrist_pose, dtype=np.float64)
-        self.wrist_target = self.wrist_reference.copy()
+        self.stand(wrist_pose)
         self.set_pressure_pa_gauge = np.zeros(3)
         self.range_watch = RangeWatch(limits=CalibratedRange.of(self.calibration))
         self._next_look_s = 0.0
         self._actuation.reset(0, rng)
 
+    def stand(self, wrist_pose: Vector) -> None:
+        """Put the wrist at `wrist_pose`, shape (6,), at once; it has no speed if it had none."""
+        self.data.qpos[self.index.wrist_qpos] = wrist_pose
+        self.data.ctrl[self.index.wrist_ctrl] = wrist_pose
+        mujoco.mj_forward(self.model, self.data)
+        self.wrist_reference = np.array(wrist_pose, dtype=np.float64)
+        self.wrist_target = self.wrist_reference.copy()
+
     def advance(self, steps: int) -> None:
         """Advance by some time steps, as that many calls of `step` to the bit.
 
-        Where nothing changes between the engine's own steps (neither gas nor losses, the wrist at its target), it takes
-        them at one go.
+        They are taken in compiled code where there is such, and by the engine alone, between two looks at the
+        calibrated range, where nothing changes between its steps (neither gas nor losses, the wrist at its target).
         """
         while steps > 0:
-            if not self._idle or self._played is not None or not self.wrist_arrived:
+            still = self._idle and self.wrist_arrived
+            if still and self._played is None:
+                taken = min(steps, self._steps_to_look)
+                self.data.ctrl[self.index.wrist_ctrl] = self.wrist_reference
+                self._actuation.step(self.dt)
+                mujoco.mj_step(self.model, self.data, nstep=taken)
+                self._look()
+            elif self._played is None and self._run is not None:
+                taken = steps if self._looks_itself else min(steps, self._steps_to_look)
+                self._take(self._run, taken)
+            else:
+                taken = 1
                 self.step()
-                steps -= 1
-                continue
-            self.data.ctrl[self.index.wrist_ctrl] = self.wrist_reference
-            self._actuation.step(self.dt)
-            until_look = max(1, math.ceil((self._next_look_s - self.data.time) / self.dt - 1e-6))
-            taken = min(steps, until_look)
-            mujoco.mj_step(self.model, self.data, nstep=taken)
-            self._look()
             steps -= taken
 
     def step(self) -> None:
         """Advance by one time step of the engine."""
+        if self._run is not None and self._played is None:
+            self._take(self._run, 1)
+            return
         self.move_wrist()
         self.data.ctrl[self.index.wrist_ctrl] = self.wrist_reference
         if self._played is not None:
@@ -109,6 +130,26 @@ class HandSimulation:
         self._actuation.step(self.dt)
         mujoco.mj_step(self.model, self.data)
         self._look()
+
+    def _take(self, run: Runner, steps: int) -> None:
+        """Take steps in compiled code."""
+        next_look_s = self._next_look_s if self._looks_itself else math.inf
+        wrist, clock = self._wrist, np.array([self.data.time, next_look_s, RANGE_WATCH_S])
+        wrist[0, 0], wrist[1, 0] = self.wrist_reference, self.wrist_target
+        course = Course(wrist=wrist, limits=self._limits, extremes=self.range_watch.extremes, clock=clock)
+        try:
+            run(course, self.dt, steps)
+        finally:
+            # a new array: the old one may have been kept by somebody
+            self.wrist_reference = wrist[0, 0].copy()
+            if self._looks_itself:
+                self._next_look_s = float(clock[1])
+            else:
+                self._look()
+
+    @property
+    def _steps_to_look(self) -> int:
+        return max(1, math.ceil((self._next_look_s - float(self.data.time)) / self.dt - 1e-6))
 
     def _look(self) -> None:
         if self.data.time >= self._next_look_s:
@@ -196,7 +237,8 @@ class HandSimulation:
     @property
     def diverged(self) -> bool:
         """Whether the engine reported an instability or a coordinate is not finite."""
-        warned = any(self.data.warning[kind].number > 0 for kind in INSTABILITY)
+        numbers = self.data.warning.number
+        warned = any(numbers[kind] > 0 for kind in INSTABILITY)
         return warned or not bool(np.isfinite(self.data.qpos).all())
 
     def tip_angles_rad(self) -> Vector:

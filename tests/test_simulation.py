@@ -160,5 +160,5 @@ def test_steps_at_one_go_are_single_steps_to_the_bit(calibration):
                     for _ in range(steps):
                         simulation.step()
             watched = simulation.range_watch
-            ends.append((simulation.data.time, simulation.data.qpos.tobytes(), watched._high.tobytes()))
+            ends.append((simulation.data.time, simulation.data.qpos.tobytes(), watched.extremes.tobytes()))
         assert ends[0] == ends[1]

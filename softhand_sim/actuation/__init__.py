@@ -6,7 +6,16 @@ Gas, valves, control, friction, relaxation and relief are advanced together and 
 agree to 1e-10. `PneumaticSystem` and `Losses` stay the reference and hold all parameters.
 """
 
-from softhand_sim.actuation.choice import prepare_actuation, wrist_mover
-from softhand_sim.actuation.parts import Actuation, EngineArrays, HandParts
+from softhand_sim.actuation.choice import engine_runner, prepare_actuation, wrist_mover
+from softhand_sim.actuation.parts import Actuation, Course, EngineArrays, HandParts, Runner
 
-__all__ = ["Actuation", "EngineArrays", "HandParts", "prepare_actuation", "wrist_mover"]
+__all__ = [
+    "Actuation",
+    "Course",
+    "EngineArrays",
+    "HandParts",
+    "Runner",
+    "engine_runner",
+    "prepare_actuation",
+    "wrist_mover",
+]

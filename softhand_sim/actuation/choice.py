@@ -2,11 +2,13 @@
 
 import importlib.util
 from collections.abc import Callable
+from functools import partial
 
+import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from softhand_sim.actuation.parts import Actuation, EngineArrays, HandParts
+from softhand_sim.actuation.parts import Actuation, EngineArrays, HandParts, Runner
 from softhand_sim.actuation.plain import PlainActuation
 from softhand_sim.wrist import move_wrists
 
@@ -20,6 +22,17 @@ def prepare_actuation(hand: HandParts, engine: EngineArrays) -> Actuation:
     from softhand_sim.actuation.compiled import CompiledActuation  # noqa: PLC0415 - numba is optional
 
     return CompiledActuation(hand, engine)
+
+
+def engine_runner(actuation: Actuation, model: mujoco.MjModel, data: mujoco.MjData) -> Runner | None:
+    """Return what takes whole steps of an actuation's only world in compiled code; None where there is none."""
+    if isinstance(actuation, PlainActuation):
+        return None
+    from softhand_sim.actuation.compiled import CompiledActuation  # noqa: PLC0415 - numba is optional
+    from softhand_sim.actuation.native import EngineGuard  # noqa: PLC0415
+
+    assert isinstance(actuation, CompiledActuation)
+    return partial(actuation.run, EngineGuard(model, data))
 
 
 def wrist_mover() -> Callable[[Vector, Vector, float, float], None]:

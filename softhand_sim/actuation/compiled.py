@@ -1,16 +1,19 @@
 """The actuation by compiled kernels over all worlds; Python is left with the ticks of the controllers."""
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from softhand_sim.actuation.kernel import TIME_TOLERANCE_S, advance_hands
+from softhand_sim.actuation.kernel import AT_TICK, NO_VOLUME, TIME_TOLERANCE_S, advance_hands
 from softhand_sim.actuation.layout import GAS, GIVEN, SET, hand_record, world_dtype
-from softhand_sim.actuation.parts import EngineArrays, HandParts
+from softhand_sim.actuation.native import EngineGuard
+from softhand_sim.actuation.parts import Course, EngineArrays, HandParts
+from softhand_sim.actuation.run import FAILED, run_world
 from softhand_sim.actuation.switching import command_onoff, read_sensors, switch_valves
-from softhand_sim.compiling import compile_for
+from softhand_sim.compiling import loaded
 from softhand_sim.control.onoff import OnOffController
 from softhand_sim.control.protocol import ValveCommand, checked_answer
 from softhand_sim.losses import LossState
@@ -39,20 +42,18 @@ class CompiledActuation:
         self._worlds["source"] = SET if system is None else GAS
         self._worlds["waiting"] = math.inf
         self._noise = NumberedNoise()
-        self._compile()
+        self._codes: dict[Any, Callable[..., Any]] = {}
         self._pressure: Vector = self._worlds["gas"][:, GAS_PRESSURE, :MANIFOLDS]
         self._reading: Vector = self._worlds["reading"]
         self._open: npt.NDArray[np.uint8] = self._worlds["open"]
         self.set_pa_gauge: Vector = self._worlds["set"]
         self.pressure_pa_gauge: Vector = self._worlds["pressure"]
 
-    def _compile(self) -> None:
-        due, noise = np.zeros(0, dtype=np.int64), np.zeros((0, 3))
-        compile_for(advance_hands, *self._arguments(0.0, begins=True))
-        compile_for(read_sensors, self._elements, self._hands, self._worlds, due, noise)
-        if self._hand.pneumatics is not None and type(self._hand.pneumatics.controller) is OnOffController:
-            compile_for(command_onoff, self._hands, self._worlds, due)
-        compile_for(switch_valves, self._hands, self._worlds, due)
+    def _call(self, kernel: Any, *arguments: Any) -> Any:
+        """Call an entry, whose arguments have the same types every time."""
+        if kernel not in self._codes:
+            self._codes[kernel] = loaded(kernel, *arguments)
+        return self._codes[kernel](*arguments)
 
     def _arguments(self, dt: float, *, begins: bool) -> tuple[Any, ...]:
         e = self._engine
@@ -71,15 +72,48 @@ class CompiledActuation:
         """Advance every world: one call of the kernel, and one more for each control tick."""
         begins = True
         while True:
-            waiting = advance_hands(*self._arguments(dt, begins=begins))
+            waiting = self._call(advance_hands, *self._arguments(dt, begins=begins))
             if waiting == 0:
                 return
             if waiting < 0:
-                volumes = self._worlds["volume"][-1 - waiting].tolist()
-                raise ValueError(f"volumes_m3 = {volumes}: must be {len(volumes)} finite numbers > 0")
+                self._refuse(-1 - waiting)
             if self._hand.pneumatics is not None:
                 self._tick(self._hand.pneumatics)
             begins = False
+
+    def run(self, guard: EngineGuard, course: Course, dt: float, steps: int) -> None:
+        """Take steps of the only world, with as little Python as may be: a `Runner` of the guard's world."""
+        begins = True
+        while steps > 0:
+            e, noise = self._engine, self._noise_ahead(dt * steps)
+            state = (guard.words, self._elements, self._hands, self._worlds, self._receiver)
+            beside = (course.wrist, course.limits, course.extremes, course.clock)
+            arguments = (*state, e.ten_length, e.qpos, e.ctrl, *beside, noise, dt, steps, begins)
+            done, why = self._call(run_world, *arguments)
+            steps -= done
+            if why == FAILED:
+                guard.raise_error()
+            if why == NO_VOLUME:
+                self._refuse(0)
+            if why == AT_TICK and self._hand.pneumatics is not None:
+                self._tick(self._hand.pneumatics)
+            begins = False
+
+    def _noise_ahead(self, duration_s: float) -> Vector:
+        """Return the draws for the ON-OFF law's ticks in a time to come, (m, 3); none for other laws."""
+        system, world = self._hand.pneumatics, self._worlds[0]
+        if system is None or type(system.controller) is not OnOffController:
+            return np.zeros((0, 3))
+        count = max(0, math.ceil((duration_s - float(world["to_tick"])) / system.tick_s - 1e-6))
+        noise, seed, first = np.zeros((count, 3)), int(world["noise_seed"]), int(world["ticks"])
+        if system.sensor is not None:
+            for m in range(count):
+                noise[m] = self._noise.draw(seed, first + m, 3)
+        return noise
+
+    def _refuse(self, world: int) -> None:
+        volumes = self._worlds["volume"][world].tolist()
+        raise ValueError(f"volumes_m3 = {volumes}: must be {len(volumes)} finite numbers > 0")
 
     def play(self, pressures_pa_gauge: Vector) -> None:
         """Give the fingers these pressures instead of the gas's."""
@@ -151,15 +185,15 @@ class CompiledActuation:
         if system.sensor is not None:
             for m, (seed, number) in enumerate(zip(worlds["noise_seed"][due], worlds["ticks"][due], strict=True)):
                 noise[m] = self._noise.draw(int(seed), int(number), 3)
-        wrong = read_sensors(self._elements, self._hands, worlds, due, noise)
+        wrong = self._call(read_sensors, self._elements, self._hands, worlds, due, noise)
         if wrong >= 0:
             system.check_sets(worlds["set"][wrong].tolist())
         if type(system.controller) is OnOffController:
-            command_onoff(self._hands, worlds, due)
+            self._call(command_onoff, self._hands, worlds, due)
         else:
             for w in due:
                 self._ask(system, worlds[w])
-        switch_valves(self._hands, worlds, due)
+        self._call(switch_valves, self._hands, worlds, due)
 
     def _ask(self, system: PneumaticSystem, w: Any) -> None:
         """Ask a controller of one's own."""

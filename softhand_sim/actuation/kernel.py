@@ -17,6 +17,8 @@ F64 = npt.NDArray[np.float64]
 
 TIME_TOLERANCE_S = 1e-9
 """As in `PneumaticSystem.step`."""
+ENDED, AT_TICK, NO_VOLUME = range(3)
+"""What became of a world's step: at its end, before a control tick, or no chamber to advance."""
 
 
 @inner
@@ -130,6 +132,25 @@ def _write_losses(hand: Any, world: Any, qpos: F64, ctrl: F64, dt: float) -> Non
         ctrl[hand.loss_ctrl[i]] = force
 
 
+@inner
+def advance_world(  # noqa: PLR0913, PLR0917 - a compiled function takes arrays, not objects
+    elements: Any, hand: Any, world: Any, receiver: F64, nodes: F64, holes: F64, ten_length: F64, qpos: F64, ctrl: F64,
+    dt: float, begins: bool,
+) -> int:  # fmt: skip
+    """Advance one world as `advance_hands` does; `ENDED`, `AT_TICK` or `NO_VOLUME`."""
+    if begins:
+        if not _measure(hand, world, ten_length) and world.source == GAS:
+            return NO_VOLUME
+        world.left = dt
+    if world.source == GAS and not _run_gas(elements, hand, world, receiver, nodes, holes):
+        return AT_TICK
+    world.left = 0.0
+    _write_pressures(elements, hand, world, ctrl)
+    if hand.losses:
+        _write_losses(hand, world, qpos, ctrl, dt)
+    return ENDED
+
+
 @entry
 def advance_hands(  # noqa: PLR0913, PLR0917 - a compiled function takes arrays, not objects
     elements: Any, hands: Any, worlds: Any, receiver: F64, ten_length: F64, qpos: F64, ctrl: F64, dt: float,
@@ -155,20 +176,14 @@ def advance_hands(  # noqa: PLR0913, PLR0917 - a compiled function takes arrays,
     """
     hand, nodes, holes, waiting = hands[0], np.empty(SCRATCH_SHAPE), np.zeros((5, 4)), 0
     for w in range(worlds.shape[0]):
-        world = worlds[w]
-        if begins:
-            if not _measure(hand, world, ten_length[w]) and world.source == GAS:
-                return -1 - w
-            world.left = dt
-        elif world.left <= 0.0:
+        if not begins and worlds[w].left <= 0.0:
             continue
-        if world.source == GAS and not _run_gas(elements, hand, world, receiver, nodes, holes):
-            waiting += 1
-            continue
-        world.left = 0.0
-        _write_pressures(elements, hand, world, ctrl[w])
-        if hand.losses:
-            _write_losses(hand, world, qpos[w], ctrl[w], dt)
+        state = advance_world(
+            elements, hand, worlds[w], receiver, nodes, holes, ten_length[w], qpos[w], ctrl[w], dt, begins
+        )
+        if state == NO_VOLUME:
+            return -1 - w
+        waiting += state
     return waiting
 
 

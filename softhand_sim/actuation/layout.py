@@ -44,6 +44,7 @@ def hand_dtype(branches: int, hinges: int) -> np.dtype[Any]:
             ("straight", "f8", _FINGERS),
             ("highest_set", "f8", 3),
             *((name, "i8", _FINGERS) for name in ("tendon", "pressure_ctrl", "loss_ctrl", "element")),
+            ("wrist_ctrl", "i8", 6),
             ("joint_qpos", "i8", (_FINGERS, hinges)),
         ]
     )
@@ -98,6 +99,7 @@ def hand_record(hand: HandParts) -> npt.NDArray[np.void]:
         r["relief_thrust"], r["relief_spring"], r["relief_time"] = law.thrust_n, law.stiffness_n_per_m, law.time_s
     r["straight"], r["joint_qpos"], r["element"] = index.straight_length_m, index.joint_qpos, ELEMENT_OF_FINGER
     r["tendon"], r["pressure_ctrl"], r["loss_ctrl"] = index.tendon, index.pressure_ctrl, index.loss_ctrl
+    r["wrist_ctrl"] = index.wrist_ctrl
     r["leak_start"] = math.inf
     if hand.pneumatics is not None:
         _add_pneumatics(r, hand)

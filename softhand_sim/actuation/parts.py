@@ -34,6 +34,40 @@ class EngineArrays:
     ctrl: Vector
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Course:
+    """What goes along with the steps of one world, beside its actuation; the arrays are written to.
+
+    Attributes
+    ----------
+    wrist: the wrist's reference, which moves, and its target, (2, 1, 6).
+    limits: the longest move [m] and turn [rad] of the wrist in a step, (2,).
+    extremes: of a `RangeWatch`.
+    clock: the world's time, that of the next look at the extremes, and the time between looks [s], (3,).
+    """
+
+    wrist: Vector
+    limits: Vector
+    extremes: Vector
+    clock: Vector
+
+
+class Runner(Protocol):
+    """Takes whole steps of one world."""
+
+    def __call__(self, course: Course, dt: float, steps: int) -> None:
+        """Take steps of ``dt`` [s]: move the wrist's reference, advance the actuation, step the engine, look.
+
+        Raises
+        ------
+        ValueError
+            As `Actuation.step`.
+        mujoco.FatalError
+            If the engine fails.
+        """
+        ...
+
+
 class Actuation(Protocol):
     """The pressures and losses of n hands.
 

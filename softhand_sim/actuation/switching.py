@@ -94,6 +94,28 @@ def _sets_are_sound(hand: Any, world: Any) -> bool:
     return sound
 
 
+@inner
+def read_world(elements: Any, hand: Any, world: Any, nodes: F64, noise: F64) -> None:
+    """Read the sensors of a world at its present volumes, with standard normal draws, (3,)."""
+    if not hand.tubes:
+        fill_nodes(elements, world.gas, world.volume, nodes)
+    for k in range(3):
+        pressure = world.gas[GAS_PRESSURE, k] if hand.tubes else nodes[k, PRESSURE]
+        world.reading[k] = _read(hand, pressure, noise[k]) if hand.senses else pressure
+
+
+@inner
+def tick_onoff(elements: Any, hand: Any, world: Any, nodes: F64, noise: F64) -> bool:
+    """Let a world's ON-OFF law read, command and switch; False, and nothing done, if a set pressure is out of range."""
+    if not _sets_are_sound(hand, world):
+        return False
+    read_world(elements, hand, world, nodes, noise)
+    for k in range(3):
+        _command(hand, world, k)
+    _switch(hand, world)
+    return True
+
+
 @entry
 def read_sensors(elements: Any, hands: Any, worlds: Any, due: npt.NDArray[np.int64], noise: F64) -> int:
     """Read the sensors of the worlds that are due, at their present volumes.
@@ -117,12 +139,7 @@ def read_sensors(elements: Any, hands: Any, worlds: Any, due: npt.NDArray[np.int
         if not _sets_are_sound(hand, worlds[w]):
             return int(w)
     for m in range(due.shape[0]):
-        world = worlds[due[m]]
-        if not hand.tubes:
-            fill_nodes(elements, world.gas, world.volume, nodes)
-        for k in range(3):
-            pressure = world.gas[GAS_PRESSURE, k] if hand.tubes else nodes[k, PRESSURE]
-            world.reading[k] = _read(hand, pressure, noise[m, k]) if hand.senses else pressure
+        read_world(elements, hand, worlds[due[m]], nodes, noise[m])
     return -1
 
 

@@ -1,6 +1,6 @@
 """What a benchmark runs, and its division into shards."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -14,6 +14,7 @@ from softhand_sim.grasp.result import TrialResult
 from softhand_sim.grasp.trial import TrialSetup, prepare, run_trial
 from softhand_sim.hand.scene import EngineSettings
 from softhand_sim.objects.model import ObjectModel
+from softhand_sim.policy.policy_file import Policy
 
 # choice: small enough to keep two workers busy to the end, large enough to share the building of a scene
 TRIALS_A_SHARD = 5
@@ -39,6 +40,7 @@ class BenchmarkPlan:
     control: calibration file that set pressures are looked up in; None for that of the fingers.
     protocol, engine, effects: what a trial does, the engine's settings, and the effects of the scene.
     grasps: by the name of the object; the others get their `default_grasp`.
+    policy: reaches and closes in the place of the script; None for the script.
     replays: folder for the replay files of trials that a guard ends.
     """
 
@@ -51,6 +53,7 @@ class BenchmarkPlan:
     engine: EngineSettings = field(default_factory=EngineSettings)
     effects: Effects = BENCH
     grasps: Mapping[str, GraspPlan] = field(default_factory=dict)
+    policy: Policy | None = None
     replays: Path | None = None
 
     def __post_init__(self) -> None:
@@ -88,10 +91,25 @@ class BenchmarkPlan:
         return replace(self, objects=self.objects[:1])
 
 
+def tapered(shards: Sequence[Shard], workers: int) -> list[Shard]:
+    """Return shards of the same trials in the same order, shorter towards the end, so that all workers end together.
+
+    Choice: none is longer than a third of what is left for each worker; at the end they are single trials.
+    """
+    left, pieces = sum(len(shard.seeds) for shard in shards), []
+    for shard in shards:
+        seeds = shard.seeds
+        while seeds:
+            size = max(1, left // (3 * workers))
+            pieces.append(Shard(model=shard.model, seeds=seeds[:size]))
+            seeds, left = seeds[size:], left - len(pieces[-1].seeds)
+    return pieces
+
+
 def prepare_for(plan: BenchmarkPlan, model: ObjectModel) -> TrialSetup:
     """Return what the trials of one object of the plan share."""
     control = None if plan.control is None else load_calibration(plan.control)
-    return prepare(
+    setup = prepare(
         model,
         load_calibration(plan.calibration),
         protocol=plan.protocol,
@@ -100,6 +118,7 @@ def prepare_for(plan: BenchmarkPlan, model: ObjectModel) -> TrialSetup:
         control=control,
         plan=plan.grasp(model),
     )
+    return replace(setup, policy=plan.policy)
 
 
 def run_shard(plan: BenchmarkPlan, shard: Shard, last: TrialSetup | None) -> tuple[TrialSetup, Iterator[TrialResult]]:

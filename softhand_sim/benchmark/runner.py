@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 
-from softhand_sim.benchmark.plan import BenchmarkPlan, Shard, run_shard
+from softhand_sim.benchmark.plan import BenchmarkPlan, Shard, run_shard, tapered
 from softhand_sim.benchmark.ray_engine import require_ray, run_on_ray
 from softhand_sim.benchmark.store import TrialStore
 from softhand_sim.benchmark.workers import run_shards
@@ -39,6 +39,8 @@ def run_benchmark(
         require_ray()
 
     def engine(shards: Sequence[Shard]) -> Iterator[TrialResult]:
+        if workers > 1:
+            shards = tapered(shards, workers)
         if ray_address is not None:
             return run_on_ray(plan, shards, workers, ray_address)
         return _in_this_process(plan, shards) if workers == 1 else run_shards(plan, shards, workers)

@@ -22,6 +22,7 @@ from softhand_sim.grasp.plan import GraspPlan
 from softhand_sim.grasp.result import TrialResult
 from softhand_sim.grasp.verdict import Outcome
 from softhand_sim.objects.model import ObjectModel
+from softhand_sim.policy.policy_file import dump_policy
 
 _TABLES = """
 CREATE TABLE IF NOT EXISTS conditions (only_row INTEGER PRIMARY KEY CHECK (only_row = 1), text TEXT NOT NULL);
@@ -69,7 +70,7 @@ class TrialStore:
         (old,) = self._base.execute("SELECT text FROM conditions").fetchone()
         if old != new:
             before, after = json.loads(old), json.loads(new)
-            differing = sorted(key for key in after if before.get(key) != after[key])
+            differing = sorted(key for key in {**before, **after} if before.get(key) != after.get(key))
             raise ValueError(f"holds trials under other conditions ({', '.join(differing)}); take another file")
         for model in plan.objects:
             mark = digest(model, plan.grasp(model))
@@ -138,12 +139,14 @@ def conditions(plan: BenchmarkPlan) -> dict[str, Any]:
     """Return what, beside object and seed, decides a trial's result."""
     file = plan.calibration or asset_path("calibration", "finger.json")
     control = {} if plan.control is None else {"control_sha256": hashlib.sha256(plan.control.read_bytes()).hexdigest()}
+    policy = {} if plan.policy is None else {"policy_sha256": hashlib.sha256(dump_policy(plan.policy)).hexdigest()}
     return {
         "protocol": repr(plan.protocol),
         "engine": asdict(plan.engine),
         "effects": repr(plan.effects),
         "calibration_sha256": hashlib.sha256(file.read_bytes()).hexdigest(),
         **control,
+        **policy,
         "mujoco_version": version("mujoco"),
         "numpy_version": version("numpy"),
         "softhand_sim_version": version("softhand-sim"),

@@ -17,6 +17,13 @@ ANGLE_MARGIN_RAD = 0.035
 SET_PRESSURE_MARGIN_PA, PRESSURE_MARGIN_PA = 1.0, 1e3
 """Choices: rounding of a set pressure at the range's end; what noise lets a finger pass it by (0.6 kPa were seen)."""
 
+PRESSURES = len(ELEMENTS)
+HIGHEST = PRESSURES + len(FINGERS)
+LOWEST = HIGHEST + len(FINGERS) * len(JOINTS)
+EXTREMES = LOWEST + len(FINGERS) * len(JOINTS)
+"""Where extremes begin in an array of them: set pressures first, then the fingers', highest and lowest angles; size."""
+_WIDER = (np.maximum, np.maximum, np.maximum, np.minimum)
+
 
 @dataclass(frozen=True, kw_only=True)
 class CalibratedRange:
@@ -40,52 +47,60 @@ class RangeWatch:
     """Extremes of a simulation since its start; mutable on purpose, it is looked at every step.
 
     The engine limits the pressure that acts on a finger to the calibrated one without a word; here it is told.
+
+    Attributes
+    ----------
+    limits: the calibrated range.
+    extremes: set pressures, the fingers' pressures, joint angles at their highest and lowest, shape (38,).
     """
 
     limits: CalibratedRange
-    _set: Vector = field(default_factory=lambda: np.zeros(len(ELEMENTS)))
-    _pressure: Vector = field(default_factory=lambda: np.zeros(len(FINGERS)))
-    _high: Vector = field(default_factory=lambda: np.zeros((len(FINGERS), len(JOINTS))))
-    _low: Vector = field(default_factory=lambda: np.zeros((len(FINGERS), len(JOINTS))))
+    extremes: Vector = field(default_factory=lambda: np.zeros(EXTREMES))
 
     def look(self, set_pa_gauge: Vector, pressure_pa_gauge: Sequence[float] | Vector, joint_angle_rad: Vector) -> None:
         """Take in set pressures per element (3,), pressures per finger (5,) and joint angles (5, 3)."""
-        np.maximum(self._set, set_pa_gauge, out=self._set)
-        np.maximum(self._pressure, pressure_pa_gauge, out=self._pressure)
-        np.maximum(self._high, joint_angle_rad, out=self._high)
-        np.minimum(self._low, joint_angle_rad, out=self._low)
+        for part, now, wider in zip(
+            _parts(self.extremes),
+            (set_pa_gauge, pressure_pa_gauge, joint_angle_rad, joint_angle_rad),
+            _WIDER,
+            strict=True,
+        ):
+            wider(part, now, out=part)
 
     def passed(self) -> bool:
         """Return whether anything went beyond the calibrated range: what `beyond` would name, without the names."""
         highest, joint_rad = self.limits.pressure_pa_gauge, self.limits.joint_angle_rad
+        sets, pressures, high, low = _parts(self.extremes)
         return bool(
-            self._set.max() > highest + SET_PRESSURE_MARGIN_PA
-            or self._pressure.max() > highest + PRESSURE_MARGIN_PA
-            or self._low.min() < -ANGLE_MARGIN_RAD
-            or (self._high > joint_rad + ANGLE_MARGIN_RAD).any()
+            sets.max() > highest + SET_PRESSURE_MARGIN_PA
+            or pressures.max() > highest + PRESSURE_MARGIN_PA
+            or low.min() < -ANGLE_MARGIN_RAD
+            or (high > joint_rad + ANGLE_MARGIN_RAD).any()
         )
 
     def farthest(self) -> tuple[float, float]:
         """Return by how much a pressure [Pa] passed the calibrated one, and a joint [rad] its stops; 0 without."""
-        pressure = max(self._set.max(), self._pressure.max()) - self.limits.pressure_pa_gauge
-        angle = max(self._high.max() - JOINT_RANGE_RAD[1], JOINT_RANGE_RAD[0] - self._low.min())
+        sets, pressures, high, low = _parts(self.extremes)
+        pressure = max(sets.max(), pressures.max()) - self.limits.pressure_pa_gauge
+        angle = max(high.max() - JOINT_RANGE_RAD[1], JOINT_RANGE_RAD[0] - low.min())
         return max(0.0, float(pressure)), max(0.0, float(angle))
 
     def beyond(self) -> dict[str, float]:
         """Return what went beyond the calibrated range: the extreme value (Pa gauge or rad) by name, none if empty."""
         found: dict[str, float] = {}
+        sets, pressures, high, low = _parts(self.extremes)
         for names, values, what, margin in (
-            (ELEMENTS, self._set, "set_pressure", SET_PRESSURE_MARGIN_PA),
-            (FINGERS, self._pressure, "pressure", PRESSURE_MARGIN_PA),
+            (ELEMENTS, sets, "set_pressure", SET_PRESSURE_MARGIN_PA),
+            (FINGERS, pressures, "pressure", PRESSURE_MARGIN_PA),
         ):
             highest = self.limits.pressure_pa_gauge + margin
             found |= {f"{n}_{what}_pa_gauge": float(v) for n, v in zip(names, values, strict=True) if v > highest}
         for values, outside in (
-            (self._high, self._high > self.limits.joint_angle_rad + ANGLE_MARGIN_RAD),
-            (self._low, self._low < -ANGLE_MARGIN_RAD),
+            (high, high > self.limits.joint_angle_rad + ANGLE_MARGIN_RAD),
+            (low, low < -ANGLE_MARGIN_RAD),
         ):
             for finger, joint in np.argwhere(outside):
-                side = "highest" if values is self._high else "lowest"
+                side = "highest" if values is high else "lowest"
                 found[f"{FINGERS[finger]}_{JOINTS[joint]}_{side}_rad"] = float(values[finger, joint])
         return found
 
@@ -95,38 +110,38 @@ class RangeWatches:
 
     def __init__(self, *, limits: CalibratedRange, worlds: int) -> None:
         self._limits = limits
-        self._set, self._pressure = np.zeros((worlds, len(ELEMENTS))), np.zeros((worlds, len(FINGERS)))
-        self._high, self._low = (np.zeros((worlds, len(FINGERS), len(JOINTS))) for _ in range(2))
+        self.extremes: Vector = np.zeros((worlds, EXTREMES))
 
     def forget(self, worlds: npt.NDArray[np.int64]) -> None:
         """Start some worlds anew."""
-        for extreme in (self._set, self._pressure, self._high, self._low):
-            extreme[worlds] = 0.0
+        self.extremes[worlds] = 0.0
 
     def look(
         self, due: npt.NDArray[np.bool_], set_pa_gauge: Vector, pressure_pa_gauge: Vector, joint_angle_rad: Vector
     ) -> None:
         """Take in what the worlds that are due, (n,), show: as `RangeWatch.look`, one row a world."""
-        for extreme, now, wider in (
-            (self._set, set_pa_gauge, np.maximum),
-            (self._pressure, pressure_pa_gauge, np.maximum),
-            (self._high, joint_angle_rad, np.maximum),
-            (self._low, joint_angle_rad, np.minimum),
-        ):
-            wider(extreme, now, out=extreme, where=due.reshape(-1, *[1] * (now.ndim - 1)))
+        seen = (set_pa_gauge, pressure_pa_gauge, joint_angle_rad, joint_angle_rad)
+        for part, now, wider in zip(_parts(self.extremes), seen, _WIDER, strict=True):
+            wider(part, now, out=part, where=due.reshape(-1, *[1] * (now.ndim - 1)))
 
     def passed(self) -> npt.NDArray[np.bool_]:
         """Return whether anything of each world went beyond the calibrated range, (n,): `RangeWatch.passed`."""
         highest, joint_rad = self._limits.pressure_pa_gauge, self._limits.joint_angle_rad
+        sets, pressures, high, low = _parts(self.extremes)
         return np.asarray(
-            (self._set.max(axis=1) > highest + SET_PRESSURE_MARGIN_PA)
-            | (self._pressure.max(axis=1) > highest + PRESSURE_MARGIN_PA)
-            | (self._low.min(axis=(1, 2)) < -ANGLE_MARGIN_RAD)
-            | (self._high > joint_rad + ANGLE_MARGIN_RAD).any(axis=(1, 2))
+            (sets.max(axis=1) > highest + SET_PRESSURE_MARGIN_PA)
+            | (pressures.max(axis=1) > highest + PRESSURE_MARGIN_PA)
+            | (low.min(axis=(1, 2)) < -ANGLE_MARGIN_RAD)
+            | (high > joint_rad + ANGLE_MARGIN_RAD).any(axis=(1, 2))
         )
 
     def of_world(self, world: int) -> RangeWatch:
         """Return what one world showed."""
-        shown = (self._set, self._pressure, self._high, self._low)
-        extremes = dict(zip(("_set", "_pressure", "_high", "_low"), (x[world].copy() for x in shown), strict=True))
-        return RangeWatch(limits=self._limits, **extremes)
+        return RangeWatch(limits=self._limits, extremes=self.extremes[world].copy())
+
+
+def _parts(extremes: Vector) -> tuple[Vector, Vector, Vector, Vector]:
+    """Return views of extremes, (..., 38): (..., 3), (..., 5), and twice (..., 5, 3)."""
+    sets, pressures, high, low = np.split(extremes, (PRESSURES, HIGHEST, LOWEST), axis=-1)
+    joints = (*extremes.shape[:-1], len(FINGERS), len(JOINTS))
+    return sets, pressures, high.reshape(joints), low.reshape(joints)

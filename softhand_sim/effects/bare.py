@@ -10,7 +10,7 @@ from softhand_sim.calibration import FingerCalibration
 from softhand_sim.checks import require_finite, require_in
 from softhand_sim.effects.build import TICK_S, apply_to_model, build_losses, build_pneumatics
 from softhand_sim.effects.effects import Effects
-from softhand_sim.hand.scene import build_root, compile_scene
+from softhand_sim.hand.scene import EngineSettings, build_root, compile_scene
 from softhand_sim.simulation import HandSimulation
 
 _POSE = (0.0, 0.0, 0.4, 0.0, 0.0, 0.0)
@@ -47,9 +47,20 @@ class BareHand:
         """Return the pressures that belong to the angles [Pa gauge], (3,)."""
         return np.array([calibration.closing_pressure(angle) for angle in self.set_angle_deg])
 
-    def run(self, calibration: FingerCalibration, effects: Effects, seed: int) -> tuple[npt.NDArray[np.float64], float]:
-        """Return tip angles while they count [deg], (n, 5), every 20 ms, and the processor time of the run [s]."""
-        root = build_root(calibration)
+    def run(
+        self,
+        calibration: FingerCalibration,
+        effects: Effects,
+        seed: int,
+        *,
+        engine: EngineSettings | None = None,
+        links: int | None = None,
+    ) -> tuple[npt.NDArray[np.float64], float]:
+        """Return tip angles while they count [deg], (n, 5), every 20 ms, and the processor time of the run [s].
+
+        Samples are a whole number of time steps apart: where 20 ms are none, what comes next to it.
+        """
+        root = build_root(calibration, engine=engine, links=links)
         apply_to_model(effects, root)
         simulation = HandSimulation(
             model=compile_scene(root).model,
@@ -59,9 +70,10 @@ class BareHand:
         )
         simulation.reset(np.random.default_rng(seed), np.array(_POSE))
         simulation.set_pressure_pa_gauge = self.set_pa_gauge(calibration)
-        steps, rows = round(TICK_S / simulation.dt), []
+        steps, rows = max(1, round(TICK_S / simulation.dt)), []
+        period_s = steps * simulation.dt
         began = time.thread_time()
-        for _ in range(round((self.close_s + self.hold_s) / TICK_S)):
+        for _ in range(round((self.close_s + self.hold_s) / period_s)):
             simulation.advance(steps)
             rows.append(np.degrees(simulation.tip_angles_rad()))
-        return np.array(rows)[round(self.close_s / TICK_S) :], time.thread_time() - began
+        return np.array(rows)[round(self.close_s / period_s) :], time.thread_time() - began

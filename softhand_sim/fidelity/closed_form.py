@@ -14,7 +14,7 @@ e (r_w^2 - R^2) / (2 R^2) at axial strain e, integrated over the wall. With ``fi
 any stretch instead.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from math import cos, pi, sin
@@ -150,14 +150,7 @@ class ClosedFormFinger:
 
         ``aside_m`` is the point's distance from the finger's axis, towards the palm side.
         """
-        ends = (*self.joint_position_m[1:], self.length_m)
-        # the hinges lie on the strip's neutral line, an arm from the axis
-        place, turn = np.array([self.arm_m, self.joint_position_m[0]]), 0.0
-        for q, start, end in zip(angle_rad, self.joint_position_m, ends, strict=True):
-            turn += float(q)
-            place = place + (end - start) * np.array([sin(turn), cos(turn)])
-        across = aside_m - self.arm_m
-        return np.asarray(place + across * np.array([cos(turn), -sin(turn)]))
+        return hinged_tip_m(angle_rad, self.joint_position_m, self.length_m, self.arm_m, aside_m)
 
     def blocked_force_n(self, pressure_pa_gauge: float, distance_m: float) -> float:
         """Return the force on a frictionless wall ``distance_m`` from the palm side of the straight tip [N].
@@ -187,6 +180,28 @@ class ClosedFormFinger:
         turned = angle_rad.copy()
         turned[joint] += by_rad
         return float(self.tip_m(turned, self.radius_m)[0])
+
+
+def hinged_tip_m(
+    angle_rad: Vector, joint_position_m: Sequence[float], length_m: float, hinge_offset_m: float, aside_m: float = 0.0
+) -> Vector:
+    """Return where the end of a finger of hinges is, towards the palm side and along the straight finger [m], (2,).
+
+    Parameters
+    ----------
+    angle_rad, joint_position_m
+        Angle of each hinge, and its place along the straight finger, (n,).
+    length_m, hinge_offset_m
+        Of the finger, and of the hinges from its axis to the palm side.
+    aside_m
+        The point's distance from the axis, towards the palm side.
+    """
+    ends = (*joint_position_m[1:], length_m)
+    place, turn = np.array([hinge_offset_m, joint_position_m[0]]), 0.0
+    for q, start, end in zip(angle_rad, joint_position_m, ends, strict=True):
+        turn += float(q)
+        place = place + (end - start) * np.array([sin(turn), cos(turn)])
+    return np.asarray(place + (aside_m - hinge_offset_m) * np.array([cos(turn), -sin(turn)]))
 
 
 def _section(inner_m: float, outer_m: float, half_angle_rad: float, strip: Strip) -> tuple[float, float]:

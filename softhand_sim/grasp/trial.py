@@ -14,7 +14,7 @@ from softhand_sim.effects.auto import Answer, choose
 from softhand_sim.effects.build import apply_to_contacts, apply_to_model, build_losses, build_pneumatics
 from softhand_sim.effects.scene import SceneFacts, Tolerance
 from softhand_sim.grasp.choice.shipped import default_grasp
-from softhand_sim.grasp.place import place_object
+from softhand_sim.grasp.place import place_object, stand_off
 from softhand_sim.grasp.plan import GraspPlan
 from softhand_sim.grasp.protocol import GraspProtocol
 from softhand_sim.grasp.protocol_file import load_protocol
@@ -25,11 +25,13 @@ from softhand_sim.grasp.verdict import Outcome
 from softhand_sim.guards.limits import Guards
 from softhand_sim.guards.replay import save_replay
 from softhand_sim.guards.watch import Watch
-from softhand_sim.hand.scene import EngineSettings, Scene, build_scene
+from softhand_sim.hand.scene import EngineSettings, Scene, build_scene, for_friction
 from softhand_sim.losses import Losses
 from softhand_sim.objects.mjcf import attach_object
 from softhand_sim.objects.model import ObjectModel
 from softhand_sim.pneumatics.system import PneumaticSystem
+from softhand_sim.policy.policy_file import Policy
+from softhand_sim.policy.trial import reach_and_close
 from softhand_sim.simulation import HandSimulation
 
 STRESS_SEEDS, STRESS_MASS_RATIO = (900, 901, 902), 1.25
@@ -40,8 +42,8 @@ STRESS_SEEDS, STRESS_MASS_RATIO = (900, 901, 902), 1.25
 class TrialSetup:
     """Everything that trials of one object share: built once, used for any number of seeds.
 
-    Set pressures are looked up in ``control``, the fingers' own calibration by default. ``guards`` end a trial that
-    can't be trusted.
+    Set pressures are looked up in ``control``, the fingers' own calibration by default. A ``policy`` reaches and closes
+    in the place of the script. ``guards`` end a trial that can't be trusted.
     """
 
     model: ObjectModel
@@ -53,10 +55,11 @@ class TrialSetup:
     protocol: GraspProtocol
     answers: tuple[Answer, ...] = ()
     control: FingerCalibration | None = None
+    policy: Policy | None = None
     guards: Guards = field(default_factory=Guards)
 
 
-def prepare(
+def prepare(  # noqa: PLR0913 - one keyword for each thing that a caller may choose
     model: ObjectModel,
     calibration: FingerCalibration,
     *,
@@ -66,11 +69,13 @@ def prepare(
     tolerance: Tolerance | None = None,
     plan: GraspPlan | None = None,
     control: FingerCalibration | None = None,
+    links: int | None = None,
 ) -> TrialSetup:
     """Build the scene of an object; by default for the paper's protocol and with the object's `default_grasp`.
 
-    ``control`` is the calibration that the controller knows, where that is not the fingers' own. With a tolerance,
-    effects that the scene does not call for are left out (`choose`), and `TrialSetup.answers` says why.
+    With ``links`` fingers are chains of that many hinges. ``control`` is the calibration that the controller knows,
+    where that is not the fingers' own. With a tolerance, effects that the scene does not call for are left out
+    (`choose`), and `TrialSetup.answers` says why.
     """
     protocol = protocol or load_protocol()
     model = model.with_overrides(mass_kg=protocol.mass_kg, friction=protocol.friction)
@@ -83,7 +88,8 @@ def prepare(
         attach_object(root, model)
         apply_to_contacts(effects, root)
 
-    scene = build_scene(calibration, engine=engine, add_object=add_object)
+    engine = for_friction(engine or EngineSettings(), model.friction)
+    scene = build_scene(calibration, engine=engine, add_object=add_object, links=links)
     return TrialSetup(
         model=model,
         calibration=calibration,
@@ -153,6 +159,7 @@ def run_trial(
     )
     simulation.reset(rng, setup.plan.standoff(setup.protocol.approach_m))
     place_object(simulation, setup.model.rest_height_m, offset)
+    stand_off(simulation, setup.plan, setup.protocol.approach_m)
     stage = Stage(
         simulation=simulation,
         recorder=Recorder.of(simulation, setup.model.rest_height_m),
@@ -213,12 +220,18 @@ def _advance(stage: Stage, guard: Watch) -> None:
 def _commands(setup: TrialSetup, stage: Stage) -> Iterator[tuple[Callable[[], bool], int]]:
     """Give each command, then yield the question whether it is over, and the number of the protocol's phase."""
     simulation = stage.simulation
-    simulation.wrist_target = setup.plan.standoff(0.0)
-    yield stage.arrived, 0
-    yield stage.after(stage.settle_s), 0
     known = setup.calibration if setup.control is None else setup.control
-    simulation.set_pressure_pa_gauge = setup.protocol.closing_pressures_pa_gauge(known, setup.plan.set_angle_deg)
-    yield stage.after(setup.protocol.close_s), 0
+    closing_pa_gauge = setup.protocol.closing_pressures_pa_gauge(known, setup.plan.set_angle_deg)
+    if setup.policy is None:
+        simulation.wrist_target = setup.plan.standoff(0.0)
+        yield stage.arrived, 0
+        yield stage.after(stage.settle_s), 0
+        simulation.set_pressure_pa_gauge = closing_pa_gauge
+        yield stage.after(setup.protocol.close_s), 0
+    else:
+        highest = float(known.curve.pressure_pa_gauge[-1])
+        for done in reach_and_close(setup.policy, simulation, setup.plan, closing_pa_gauge, highest):
+            yield done, 0
     stage.recorder.mark(simulation)
     for number, phase in enumerate(setup.protocol.phases, start=1):
         if phase.needs_object and not _in_hand(setup, stage):

@@ -12,7 +12,6 @@ from softhand_sim.simulation import HandSimulation
 Vector = npt.NDArray[np.float64]
 
 _SPEC = int(mujoco.mjtState.mjSTATE_INTEGRATION)
-_EXTREMES = ("_set", "_pressure", "_high", "_low")
 
 
 def take(simulation: HandSimulation) -> dict[str, Vector]:
@@ -35,7 +34,7 @@ def take(simulation: HandSimulation) -> dict[str, Vector]:
         "flow_m": loss.flow_m.copy(),
         "bulge_m": loss.bulge_m.copy(),
         "next_look_s": np.array([simulation._next_look_s]),
-        **{f"extreme{name}": getattr(simulation.range_watch, name).copy() for name in _EXTREMES},
+        "extremes": simulation.range_watch.extremes.copy(),
     }
 
 
@@ -63,5 +62,4 @@ def restore(simulation: HandSimulation, state: Mapping[str, Vector]) -> None:
         simulation.gas = simulation.pneumatics.restore(state["gas"])
     simulation.loss_state = LossState(slip_m=state["slip_m"], flow_m=state["flow_m"], bulge_m=state["bulge_m"])
     simulation._next_look_s = float(state["next_look_s"][0])
-    for name in _EXTREMES:
-        getattr(simulation.range_watch, name)[:] = state[f"extreme{name}"]
+    simulation.range_watch.extremes[:] = state["extremes"]

@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 
 from softhand_sim.benchmark import plan as planning
-from softhand_sim.benchmark.plan import BenchmarkPlan
+from softhand_sim.benchmark.plan import BenchmarkPlan, tapered
 from softhand_sim.benchmark.runner import in_order, run_benchmark
 from softhand_sim.benchmark.store import TrialStore
 from softhand_sim.grasp.phases.hold import Hold
@@ -70,7 +70,9 @@ def test_a_second_run_makes_nothing_twice_and_an_interrupted_one_goes_on(tmp_pat
         running.close()
     made = []
     real = planning.run_trial
-    monkeypatch.setattr(planning, "run_trial", lambda setup, seed: (made.append(seed), real(setup, seed))[1])
+    monkeypatch.setattr(
+        planning, "run_trial", lambda setup, seed, **more: (made.append(seed), real(setup, seed, **more))[1]
+    )
     with TrialStore(path, plan()) as store:
         assert figures(run_benchmark(plan(), 1, store), plan()) == unbroken
         assert len(made) == 12 - 5
@@ -103,12 +105,25 @@ def test_other_conditions_other_objects_and_a_second_writer_are_refused(tmp_path
             store.add(result)
 
 
+def test_shards_get_shorter_towards_the_end_and_hold_the_same_trials():
+    whole = plan(trials=20)
+    shards = whole.shards(frozenset(whole.trial_keys))
+    pieces = tapered(shards, 2)
+    assert [(p.model.name, seed) for p in pieces for seed in p.seeds] == list(whole.trial_keys)
+    sizes = [len(piece.seeds) for piece in pieces]
+    left = [sum(sizes[i:]) for i in range(len(sizes))]
+    assert all(size <= max(1, rest // 6) for size, rest in zip(sizes, left, strict=True))
+    assert sizes[0] == 5
+    assert sizes[-6:] == [1] * 6
+
+
 def test_a_killed_worker_is_replaced_and_loses_nothing(unbroken):
     results = []
     for result in run_benchmark(plan(), 2):
         results.append(result)
         if len(results) in (1, 4):
-            os.kill(multiprocessing.active_children()[0].pid, signal.SIGKILL)
+            # the elder: the younger one may have the trial that the first victim died of
+            os.kill(min(child.pid for child in multiprocessing.active_children()), signal.SIGKILL)
     assert figures(results, plan()) == unbroken
     assert multiprocessing.active_children() == []
 

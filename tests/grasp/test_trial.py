@@ -8,13 +8,16 @@ import pytest
 from softhand_sim.benchmark.plan import BenchmarkPlan
 from softhand_sim.benchmark.runner import in_order, run_benchmark
 from softhand_sim.control.onoff import OnOffController
+from softhand_sim.grasp.contacts import ContactMap
 from softhand_sim.grasp.phases.hold import Hold
 from softhand_sim.grasp.phases.lift import Lift
+from softhand_sim.grasp.place import place_object, stand_off
 from softhand_sim.grasp.protocol_file import load_protocol
 from softhand_sim.grasp.trial import prepare, run_trial
 from softhand_sim.grasp.verdict import Outcome
 from softhand_sim.objects.catalogue import make_object
 from softhand_sim.pneumatics.sensor import PressureSensor
+from softhand_sim.simulation import HandSimulation
 
 
 def without_wall_time(result):
@@ -93,3 +96,18 @@ def test_a_diverging_engine_is_a_typed_outcome(calibration):
     result = run_trial(setup, seed=0)
     assert result.outcome is Outcome.DIVERGED
     assert np.isfinite([result.lift_m, result.slip_m, result.creep_m_per_s, result.penetration_m]).all()
+
+
+def test_a_hand_starts_clear_of_a_displaced_object(calibration):
+    setup = prepare(make_object("cracker_box"), calibration)
+    simulation = HandSimulation(model=setup.scene.model, calibration=calibration, pneumatics=setup.pneumatics)
+    simulation.reset(np.random.default_rng(0), setup.plan.standoff(setup.protocol.approach_m))
+    place_object(simulation, setup.model.rest_height_m, setup.protocol.draw_offset(np.random.default_rng(0), 0))
+    contacts = ContactMap.of(setup.scene.model)
+    assert contacts.of_object(simulation.data).size
+    distance_m = stand_off(simulation, setup.plan, setup.protocol.approach_m)
+    assert not contacts.of_object(simulation.data).size
+    pose = simulation.data.qpos[simulation.index.wrist_qpos]
+    np.testing.assert_allclose(pose, setup.plan.standoff(distance_m))
+    np.testing.assert_array_equal(simulation.wrist_target, pose)
+    assert run_trial(setup, 0).alarm == ""

@@ -68,7 +68,7 @@ PROVOKED = {
     ),
     "a joint far past its stop": (Outcome.EXTRAPOLATED, "pudding_box", SHORT, unchanged, Guards()),
     "a wrist that a phase drives": (
-        Outcome.UNBALANCED, "strawberry", SHAKEN, unchanged, dataclasses.replace(NONE, energy_j=1.5e-3),
+        Outcome.UNBALANCED, "strawberry", SHAKEN, unchanged, dataclasses.replace(NONE, energy_j=2e-4),
     ),
 }  # fmt: skip
 

@@ -15,7 +15,7 @@ class Hold:
     needs_object: bool = False
 
     def __post_init__(self) -> None:
-        require_in("duration_s", self.duration_s, 0.05, 100.0)
+        require_in("duration_s", self.duration_s, 0.05, 1000.0)
 
     def run(self, stage: Stage) -> Iterator[Callable[[], bool]]:
         """Sample the object's path in the hand until the time is over."""
