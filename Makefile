@@ -1,10 +1,10 @@
-# make setup | bench | test | check | wheel-check | browser-check
+# make setup | bench | test | check | wheel-check | browser-check | learn-check
 PYTHON ?= python3.11
 BIN := .venv/bin
 STAMP := .venv/.installed
 WORKERS ?= 2
 
-.PHONY: setup bench test check wheel-check browser-check hand clean
+.PHONY: setup bench test check wheel-check browser-check learn-check hand clean
 
 setup: $(STAMP)
 
@@ -35,6 +35,12 @@ wheel-check: $(STAMP)
 # the HTML report in headless Chromium, which is installed on Debian if there is none
 browser-check: $(STAMP)
 	bash .ci/browser_check
+
+# stable-baselines3's contract of all environments, torch against NumPy, training and data sets; needs the extras learn
+# and minari (docs/learning.md)
+learn-check: $(STAMP)
+	@$(BIN)/python -c "import stable_baselines3, minari, jax" || { echo "learn-check: NOT RUN, see docs/learning.md" >&2; exit 1; }
+	$(BIN)/pytest tests/learn/env_check.py tests/learn/learn_check.py tests/learn/video_check.py
 
 # assets/hand/*.xml from the shipped calibration
 hand: $(STAMP)

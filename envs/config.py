@@ -1,9 +1,10 @@
 """Arguments of the environments, checked together before anything is built."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from envs.actions import ActionMode, ActionSpec
 from envs.draw import Drawer
@@ -55,7 +56,7 @@ class EnvConfig:
     camera
         Height and width of a picture in the observation [pixels]; None for none.
     randomization
-        ``none``, ``place``, ``domain``, or a `Randomization`.
+        ``none``, ``place``, ``domain``, or a `Randomization`, or a mapping of some of its fields.
     effects, tolerance
         ``ideal``, ``bench``, ``full``, `Effects`, or ``auto``: all effects but those that each scene does not call for,
         by a `Tolerance`. A tolerance without an ``engine`` also picks that, the cheapest measured one within half of
@@ -81,7 +82,7 @@ class EnvConfig:
     wrist_speed_m_per_s: float = 0.1
     observation_mode: str = "state"
     camera: tuple[int, int] | None = None
-    randomization: str | Randomization = "place"
+    randomization: str | Randomization | Mapping[str, Any] = "place"
     effects: str | Effects = "bench"
     tolerance: Tolerance | None = None
     engine: EngineSettings | None = None
@@ -89,6 +90,7 @@ class EnvConfig:
     control_period_s: float = 0.04
 
     def __post_init__(self) -> None:
+        _ = self.ranges
         _one_of("action_mode", self.action_mode, tuple(ActionMode))
         _one_of("observation_mode", self.observation_mode, tuple(ObservationMode))
         require_in("wrist_speed_m_per_s", self.wrist_speed_m_per_s, 1e-3, 0.5)
@@ -134,6 +136,8 @@ class EnvConfig:
         """The ranges of what is drawn."""
         if isinstance(self.randomization, Randomization):
             return self.randomization
+        if isinstance(self.randomization, Mapping):
+            return Randomization.from_fields(self.randomization)
         _one_of("randomization", self.randomization, tuple(RANDOMIZATIONS))
         return RANDOMIZATIONS[self.randomization]
 

@@ -1,6 +1,6 @@
 """One world's episodes without Gymnasium around them: commanded, advanced by whoever steps the engine, observed."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -69,10 +69,7 @@ class EpisodeSpec:
 
 
 class Episode:
-    """The episodes of one world at a time; `reset`, then `command`, `advance`, `observe` and `judge`, in turns.
-
-    ``gas_of`` says where the gas is to be seen: in the simulation, unless a batch has it.
-    """
+    """The episodes of one world at a time; `reset`, then `command`, `advance`, `observe` and `judge`, in turns."""
 
     def __init__(self, spec: EpisodeSpec, worlds: WorldCache, task: Task) -> None:
         self.spec = spec
@@ -81,7 +78,6 @@ class Episode:
         self.draw = Draw()
         self.world: World | None = None
         self.diverged = False
-        self.gas_of: Callable[[], GasSeen] = self._gas_of_simulation
         self._beyond = False
         self._privileged = "joint_angle_rad" in spec.layout.where
         self._mass_and_friction = (0.0, 0.0)
@@ -166,16 +162,12 @@ class Episode:
                 raise
         self.look()
 
-    def look(self, *, lost: bool = False, beyond: bool | None = None) -> None:
-        """See what the engine says after its steps; once, before `observe` and `judge`, which rely on it.
-
-        ``lost`` says that the coordinates ceased to be numbers on the way, ``beyond`` whether anything passed the
-        calibrated range; None: the simulation knows.
-        """
+    def look(self) -> None:
+        """See what the engine says after its steps; once, before `observe` and `judge`, which rely on it."""
         simulation = self.here.simulation
-        self._beyond = simulation.range_watch.passed() if beyond is None else beyond
-        self._warnings = _warnings(simulation.data)
-        self.diverged = lost or not bool(np.isfinite(simulation.data.qpos).all())
+        self._beyond = simulation.range_watch.passed()
+        self._warnings = _named(simulation.warnings) if simulation.warnings.any() else {}
+        self.diverged = not bool(np.isfinite(simulation.data.qpos).all())
         if self._warnings:
             self.diverged = self.diverged or simulation.diverged
 
@@ -204,7 +196,7 @@ class Episode:
         data = simulation.data
         # few calls with many numbers: each costs as much as fifty of the engine's additions
         positions = data.qpos[world.wrist_and_joint_qpos]
-        gas = self.gas_of()
+        gas = self._gas_of_simulation()
         parts: list[npt.ArrayLike] = [1e-3 * gas.reading_pa_gauge, gas.valves_open, positions[:6]]
         if self._privileged:
             velocities = data.qvel[world.joint_and_object_dof]
@@ -256,7 +248,6 @@ def object_in_palm(data: mujoco.MjData, palm: int, body: int) -> Vector:
     return out
 
 
-def _warnings(data: mujoco.MjData) -> dict[str, int]:
+def _named(warnings: npt.NDArray[np.int32]) -> dict[str, int]:
     """Return the engine's warnings of this episode by name, with their number."""
-    numbers = data.warning.number.tolist()
-    return {mujoco.mjtWarning(k).name: n for k, n in enumerate(numbers) if n} if any(numbers) else {}
+    return {mujoco.mjtWarning(k).name: n for k, n in enumerate(warnings.tolist()) if n}

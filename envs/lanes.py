@@ -1,119 +1,70 @@
-"""Worlds of several episodes in one batch of the engine: what each episode commands goes in, what it sees comes out."""
+"""Episodes side by side: each steps its own simulation, several at once on threads."""
 
+import os
 from collections.abc import Sequence
-from functools import partial
+from concurrent.futures import Future, ThreadPoolExecutor
+from itertools import count
 
 import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from envs.episode import Episode, GasSeen
-from softhand_sim.batch import HandBatch
-from softhand_sim.effects.build import build_losses, build_pneumatics
+from envs.episode import Episode
 
 _STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 
 
 class Lanes:
-    """Episodes side by side, one lane each: reset in their own simulations, advanced together in a `HandBatch`.
+    """Episodes that are advanced together; each is as it would be alone, to the bit, for any number of threads.
 
-    An episode's simulation is brought up to date after every advance, so that the episode reads it as ever, but for its
-    gas and losses, which live in the batch. Lanes differ in mass, friction and place of the object alone.
+    The steps of an episode's action are compiled code and the engine's own (`HandSimulation.advance`), during which
+    other threads run.
 
     Parameters
     ----------
     episodes
-        At least one; their worlds are of one object and one calibration.
+        At least one.
     threads
-        Of the engine; 0 for all processors.
+        Including the caller's; 0 for as many as there are processors.
     """
 
     def __init__(self, episodes: Sequence[Episode], threads: int) -> None:
         self._episodes = tuple(episodes)
-        self._threads = threads
-        self._hands: HandBatch | None = None
-        self._seen: tuple[npt.NDArray[np.float64], ...] = ()
-        for lane, episode in enumerate(self._episodes):
-            episode.gas_of = partial(self._gas_of, lane)
-        self._state: npt.NDArray[np.float64] = np.zeros(0)
+        helpers = min(threads or _processors(), len(self._episodes)) - 1
+        self._helpers = helpers
+        self._pool = ThreadPoolExecutor(helpers, thread_name_prefix="lanes") if helpers > 0 else None
 
-    def enter(self, lanes: Sequence[int]) -> None:
-        """Take over episodes that were just reset."""
-        hands = self._batch()
-        # masses and friction coefficients are read from the worlds' own models
-        hands.engine.set_models([episode.here.model for episode in self._episodes])
-        for lane in lanes:
-            simulation = self._episodes[lane].here.simulation
-            mujoco.mj_getState(simulation.model, simulation.data, self._state, _STATE)
-            hands.reset([lane], [np.random.default_rng(0)], simulation.wrist_reference)
-            hands.engine.state[lane] = self._state
-        # positions alone: the rest would change what the solver starts from
-        hands.engine.forward(np.asarray(lanes), stage=mujoco.mjtStage.mjSTAGE_POS.value)
-        for lane in lanes:
-            simulation = self._episodes[lane].here.simulation
-            hands.actuation.set_gas(lane, simulation.gas)
-            hands.actuation.set_losses(lane, simulation.loss_state)
-        self._see()
+    def advance(self, chosen: Sequence[int]) -> None:
+        """Advance some episodes by one action."""
+        # each thread takes the next one that is left: they differ in contacts, and so in time
+        order, left = tuple(chosen), count()
 
-    def advance(self, steps: int) -> None:
-        """Advance all lanes by steps of the engine, and let their episodes `look`.
+        def work() -> None:
+            while (k := next(left)) < len(order):
+                self._episodes[order[k]].advance()
 
-        A lane whose coordinates are no numbers any more stands still until its next reset.
-        """
-        hands = self._batch()
-        for lane, episode in enumerate(self._episodes):
-            simulation = episode.here.simulation
-            hands.set_pressure_pa_gauge[lane] = simulation.set_pressure_pa_gauge
-            hands.wrist_target[lane] = simulation.wrist_target
-        qpos = hands.engine.bind("qpos")
-        lost = np.zeros(len(self._episodes), dtype=bool)
-        for _ in range(steps):
-            hands.step()
-            bad = ~np.isfinite(qpos).all(axis=1)
-            if bad.any():
-                self._park(np.flatnonzero(bad))
-                lost |= bad
-        for lane, episode in enumerate(self._episodes):
-            simulation = episode.here.simulation
-            hands.engine.get_data(lane, simulation.data)
-            simulation.wrist_reference = hands.wrist_reference[lane].copy()
-        self._see()
-        for episode, gone, beyond in zip(
-            self._episodes, lost.tolist(), hands.passed_calibration().tolist(), strict=True
-        ):
-            episode.look(lost=gone, beyond=beyond)
+        pool = self._pool
+        helping: list[Future[None]] = [] if pool is None else [pool.submit(work) for _ in range(self._helpers)]
+        try:
+            work()
+        finally:
+            for future in helping:
+                future.result()
 
     def state(self) -> npt.NDArray[np.float64]:
         """Return a copy of the engine's full state, one row a lane."""
-        return np.array(self._batch().engine.state)
+        rows = []
+        for episode in self._episodes:
+            simulation = episode.here.simulation
+            rows.append(np.empty(mujoco.mj_stateSize(simulation.model, _STATE)))
+            mujoco.mj_getState(simulation.model, simulation.data, rows[-1], _STATE)
+        return np.array(rows)
 
-    def _see(self) -> None:
-        """Read the gas of all lanes at once."""
-        hands = self._batch()
-        sets = hands.set_pressure_pa_gauge.copy()
-        self._seen = (hands.reading_pa_gauge(), hands.valves_open(), sets, hands.pressure_pa_gauge())
+    def close(self) -> None:
+        """End the threads."""
+        if self._pool is not None:
+            self._pool.shutdown()
 
-    def _gas_of(self, lane: int) -> GasSeen:
-        return GasSeen(*(field[lane] for field in self._seen))
 
-    def _park(self, lanes: npt.NDArray[np.int64]) -> None:
-        hands = self._batch()
-        rest = [np.random.default_rng(0) for _ in lanes]
-        hands.reset(lanes, rest, np.array([0.0, 0.0, 0.5, 0.0, 0.0, 0.0]))
-
-    def _batch(self) -> HandBatch:
-        if self._hands is None:
-            world = self._episodes[0].here
-            settings = world.settings
-            self._hands = HandBatch(
-                model=world.model,
-                calibration=world.calibration,
-                pneumatics=build_pneumatics(world.effects, world.calibration, settings.controller),
-                worlds=len(self._episodes),
-                threads=self._threads,
-                anatomy=settings.anatomy,
-                losses=build_losses(world.effects, world.calibration),
-                persistent=True,
-            )
-            self._state = np.empty(mujoco.mj_stateSize(world.model, _STATE))
-        return self._hands
+def _processors() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

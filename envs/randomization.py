@@ -2,8 +2,9 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from types import MappingProxyType
+from typing import Any
 
 from softhand_sim.checks import require_in
 
@@ -56,6 +57,20 @@ class Randomization:
             _check_range(name, getattr(self, name), low, high)
         if self.friction is not None:
             _check_range("friction", self.friction, 0.0, 10.0)
+
+    @classmethod
+    def from_fields(cls, values: Mapping[str, Any]) -> "Randomization":
+        """Return ranges from some of the fields by name, pairs as lists or tuples, as an environment's JSON has them.
+
+        Raises
+        ------
+        ValueError
+            If a field is unknown, or a value out of range.
+        """
+        if strange := sorted(set(values) - {f.name for f in fields(cls)}):
+            raise ValueError(f"randomization: {strange[0]!r} is unknown")
+        given: dict[str, Any] = {name: tuple(v) if isinstance(v, list) else v for name, v in values.items()}
+        return cls(**given)
 
     @property
     def of_gas(self) -> bool:

@@ -12,14 +12,13 @@ import numpy as np
 import numpy.typing as npt
 from gymnasium import spaces
 
-from envs.actions import encode_pressures
 from envs.episode import object_in_palm
 from envs.grasp import SoftHandGraspEnv
+from envs.script import Driver
 from softhand_sim.checks import require_in
 from softhand_sim.grasp.choice.shipped import default_grasp
 from softhand_sim.guards.limits import Guards
 from softhand_sim.policy.reach import ACTIONS, SAMPLE_S, Reach, ReachSpec
-from softhand_sim.wrist import limited_step
 
 Vector = npt.NDArray[np.float64]
 Info = dict[str, Any]
@@ -96,7 +95,7 @@ class ReachEnv(gymnasium.Env[Vector, Any]):
         size = self._spec.features + PRIVILEGED * privileged
         self.observation_space = spaces.Box(-np.inf, np.inf, (size,), dtype=np.float64)
         self.action_space = spaces.Box(-1.0, 1.0, (ACTIONS,), dtype=np.float32)
-        self._seen = self._reference = np.zeros(6)
+        self._seen = np.zeros(15)
         self._info: Info = {}
         self._lost = False
 
@@ -111,7 +110,7 @@ class ReachEnv(gymnasium.Env[Vector, Any]):
             script_pa_gauge=np.array([known.closing_pressure(angle) for angle in plan.set_angle_deg]),
             highest_pa_gauge=float(known.curve.pressure_pa_gauge[-1]),
         )
-        self._reference = self._seen[9:15].copy()
+        self._driver = Driver(self.env.episode, self._seen[9:15])
         self._lost, self._info = False, info
         self._near = self._nearness()
         return self._observed(), info
@@ -141,7 +140,7 @@ class ReachEnv(gymnasium.Env[Vector, Any]):
         """Lift, say in the info how that went, and return its reward."""
         lift, speed = self._lift, self.env.episode.here.settings.anatomy.wrist_speed_m_per_s
         # the last decision may end before the wrist has arrived: it is lifted from where it is
-        up = self._reference + np.array([0.0, 0.0, lift.height_m, 0.0, 0.0, 0.0])
+        up = self._driver.reference + np.array([0.0, 0.0, lift.height_m, 0.0, 0.0, 0.0])
         before, height_before = self._object(), self._info.get("object_height_m", 0.0)
         if not lift.if_touched or self.env.episode.here.touching().any():
             self._go(up, pressures, round((lift.height_m / speed + lift.hold_s) / SAMPLE_S))
@@ -157,16 +156,10 @@ class ReachEnv(gymnasium.Env[Vector, Any]):
 
     def _go(self, target: Vector, pressures: Vector, samples: int) -> None:
         """Ask for a wrist pose and set pressures for so many actions of the environment inside."""
-        spec, anatomy = self.env.episode.spec.action, self.env.episode.here.settings.anatomy
-        fingers = encode_pressures(spec, pressures)
-        largest_m, largest_rad = SAMPLE_S * anatomy.wrist_speed_m_per_s, SAMPLE_S * anatomy.wrist_rate_rad_per_s
         for _ in range(samples):
             if self._lost:
                 return
-            on_way = limited_step(self._reference, target, largest_m, largest_rad)
-            wrist = (on_way - self._reference) / (SAMPLE_S * spec.wrist_rates)
-            self._reference = on_way
-            action = np.clip(np.concatenate([fingers, wrist]), -1.0, 1.0)
+            action = self._driver.toward(target, pressures)
             self._seen, _, self._lost, _, self._info = self.env.step(action)
             self._reach.see(1e3 * self._seen[:3], self._seen[3:9])
 

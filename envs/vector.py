@@ -143,7 +143,7 @@ class SoftHandVectorEnv(VectorEnv[Any, Any, Any]):
         for episode, action, ended in zip(self._episodes, iterate(self.action_space, actions), resetting, strict=True):
             if not ended:
                 episode.command(action)
-        self._lanes.advance(self._episodes[0].substeps)
+        self._lanes.advance(np.flatnonzero(~resetting).tolist())
         rewards, terminated, truncated = np.zeros(n), np.zeros(n, dtype=bool), np.zeros(n, dtype=bool)
         infos: Info = {}
         for i, episode in enumerate(self._episodes):
@@ -170,8 +170,12 @@ class SoftHandVectorEnv(VectorEnv[Any, Any, Any]):
             drawn = episode.reset(self._rngs[i], options)
             infos[i] = episode.judge(0.0)[2] | drawn
             self._steps[i], self._over[i] = 0, False
-        self._lanes.enter(chosen)
         return infos
+
+    def close_extras(self, **kwargs: Any) -> None:
+        """End the threads."""
+        del kwargs
+        self._lanes.close()
 
     def _observations(self) -> Any:
         out: Any = create_empty_array(self.single_observation_space, n=self.num_envs)

@@ -22,6 +22,10 @@ _CONVENTIONS = {
 }
 VOLUMETRIC_READINGS = ("near_incompressible", "d1_literal")
 
+LEAST_EXPONENT, LARGEST_EXPONENT = 1e-3, 100.0
+"""Choice: Ogden's exponents in the literature lie within 0.1 and 30; 2 to the power of 1e300 is no number."""
+LARGEST_MODULUS_PA = 2e12
+"""Choice: twice diamond."""
 AnyLaw = IsochoricOgden | StVenantKirchhoff
 
 
@@ -110,6 +114,9 @@ def _law(sheet: "_Sheet", at: str, volumetric: str | None) -> tuple[AnyLaw, dict
         alpha = sheet.quantities(f"{at}.alpha", "number")
         if len(mu) != len(alpha) or not mu or 0.0 in alpha:
             raise ValueError(f"{sheet.file.name}: {at}.alpha = {alpha} must be as long as mu, without zeros")
+        if not all(LEAST_EXPONENT <= abs(a) <= LARGEST_EXPONENT for a in alpha):
+            allowed = f"[{LEAST_EXPONENT:g}, {LARGEST_EXPONENT:g}]"
+            raise ValueError(f"{sheet.file.name}: {at}.alpha = {alpha} must have sizes in {allowed}")
         if convention == "mu_over_alpha":
             coefficients = tuple(m / a for m, a in zip(mu, alpha, strict=True))
         else:
@@ -134,14 +141,16 @@ def _bulk(sheet: "_Sheet", at: str, shear: float, volumetric: str | None) -> tup
         bulk = 2.0 * sheet.quantity(f"{at}.d1", "stress")
     else:
         bulk = shear * sheet.quantity("volumetric.bulk_to_shear", "number")
-    if not bulk > 0.0:
-        raise ValueError(f"{sheet.file.name}: {at}: bulk modulus {bulk:g} Pa must be positive")
+    if not 0.0 < bulk < 1e3 * LARGEST_MODULUS_PA:
+        allowed = f"(0, {1e3 * LARGEST_MODULUS_PA:g}) Pa"
+        raise ValueError(f"{sheet.file.name}: {at}: bulk modulus {bulk:g} Pa must be positive, in {allowed}")
     return bulk, reading
 
 
 def _check_shear(sheet: "_Sheet", at: str, shear: float) -> None:
-    if not shear > 0.0:
-        raise ValueError(f"{sheet.file.name}: {at}: initial shear modulus {shear:g} Pa must be positive")
+    if not 0.0 < shear < LARGEST_MODULUS_PA:
+        allowed = f"(0, {LARGEST_MODULUS_PA:g}) Pa"
+        raise ValueError(f"{sheet.file.name}: {at}: initial shear modulus {shear:g} Pa must be positive, in {allowed}")
 
 
 class _Sheet:

@@ -88,6 +88,7 @@ class _Watch(BaseCallback):
         by_object = {n: float(np.mean([i["steady"] for i in ended if i["object"] == n])) for n in names}
         row: dict[str, Any] = {name: float(np.mean([info[name] for info in ended])) for name in ("lifted", "steady")}
         row |= {"episodes": self._episodes, "steady_by_object": by_object}
+        print(f"{self._episodes} episodes: {row['steady']:.2f} lifted steadily", flush=True)
         row["action_std"] = float(self.model.policy.log_std.detach().exp().mean())
         row["wall_s"] = time.perf_counter() - self._began
         self._curve.rows.append(row)

@@ -1,8 +1,9 @@
 """What leaving effects out changes, measured by running both, against what was declared beforehand.
 
 Scenes: grasps of catalogue objects, and bare hands that close to drawn angles and hold them. Each effect is left out by
-itself; with --auto each scene leaves out what it does not call for. Exit status 1 if a change is larger than declared,
-or with --auto than the tolerance.
+itself; with --auto each scene leaves out what it does not call for, with --step it also has the longest time step of
+the measured ones that is within the tolerance, against everything at the default one. Exit status 1 if a change is
+larger than declared, or with --auto than the tolerance.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -20,7 +21,9 @@ from softhand_sim.effects.auto import Answer, choose
 from softhand_sim.effects.bare import BareHand
 from softhand_sim.effects.omission import SCATTER, Omission, omission, run_bare, run_grasp, without_each
 from softhand_sim.effects.scene import SceneFacts, Tolerance
+from softhand_sim.fidelity.fidelity import Fidelity
 from softhand_sim.grasp.trial import TrialSetup, facts_of, prepare
+from softhand_sim.hand.scene import EngineSettings
 from softhand_sim.objects.catalogue import make_object
 from softhand_sim.objects.model import ObjectModel
 
@@ -28,6 +31,7 @@ EXAMPLES = """examples:
   effects_table.py --json out/effects.json
   effects_table.py --objects apple,mug --trials 10 --bare 0 --effects bench
   effects_table.py --objects banana,mug --bare 10 --seed 100 --auto --angle 12 --slip 20
+  effects_table.py --objects , --bare 10 --seed 300 --auto --step --angle 15 --slip 25
 """
 DEFAULT_OBJECTS = "apple,tennis_ball,mug"
 NOT_BOUNDED = 1
@@ -60,6 +64,8 @@ def parser() -> _cli.Parser:
     p.add_argument("--bare", type=_cli.non_negative_int, default=3, help="scenes of a bare hand (default 3)")
     p.add_argument("--effects", choices=[k for k in PRESETS if k != "ideal"], default="full", help="default full")
     p.add_argument("--auto", action="store_true", help="compare what each scene chooses instead of single omissions")
+    text = "with --auto, the time step is chosen, too: half of the tolerance for it, half for the effects"
+    p.add_argument("--step", action="store_true", help=text)
     p.add_argument("--angle", type=_cli.non_negative_float, default=12.0, help="tolerance of --auto [deg] (12)")
     p.add_argument("--slip", type=_cli.non_negative_float, default=20.0, help="tolerance of --auto [mm] (20)")
     p.add_common(seed="of the first trial, and of the bare hands' angles", json="write every comparison to this file")
@@ -75,7 +81,7 @@ def _job(argv: Sequence[str] | None) -> int:
     args = parser().parse_args(argv)
     _cli.check_writable(args.json)
     everything = PRESETS[args.effects]
-    tolerance = Tolerance(angle_deg=args.angle, slip_m=1e-3 * args.slip) if args.auto else None
+    auto = _auto(args)
     names = [name for name in args.objects.split(",") if name]
     calibration, rows = load_calibration(), []
     seeds = range(args.seed, args.seed + args.trials)
@@ -86,15 +92,17 @@ def _job(argv: Sequence[str] | None) -> int:
         for model in models:
             setup = cache(partial(_setup, model, calibration))
             for seed in seeds:
-                base = run_grasp(setup(everything), seed)
+                base = run_grasp(setup(everything, None), seed)
                 # the scene is this very offset of the object
-                variants = _variants(facts_of(model, calibration, everything, seeds=(seed,)), tolerance)
+                variants = _variants(facts_of(model, calibration, everything, seeds=(seed,)), auto)
                 for name, variant in variants.items():
-                    change = omission(name, base, run_grasp(setup(variant[0]), seed))
+                    change = omission(
+                        name, base, run_grasp(setup(variant[0], None if auto is None else auto.engine), seed)
+                    )
                     rows.append(_row(model.name, seed, variant, change))
                 bar.update()
         for k, scene in enumerate(bare):
-            rows += _bare_rows(scene, calibration, everything, tolerance, args.seed + k)
+            rows += _bare_rows(scene, calibration, everything, auto, args.seed + k)
             bar.update()
     _print(rows, auto=args.auto)
     if args.json is not None:
@@ -104,17 +112,41 @@ def _job(argv: Sequence[str] | None) -> int:
     return 0 if all(row.bounded for row in rows if row.change.effect != SCATTER) else NOT_BOUNDED
 
 
-def _setup(model: ObjectModel, calibration: FingerCalibration, effects: Effects) -> TrialSetup:
-    return prepare(model, calibration, effects=effects)
+@dataclass(frozen=True, kw_only=True)
+class _Auto:
+    """A tolerance, what of it the effects have, and the engine's settings that the rest allows (None: the defaults)."""
+
+    tolerance: Tolerance
+    of_effects: Tolerance
+    engine: EngineSettings | None = None
+
+
+def _auto(args: Any) -> _Auto | None:
+    if not args.auto:
+        if args.step:
+            raise ValueError("--step: needs --auto")
+        return None
+    tolerance = Tolerance(angle_deg=args.angle, slip_m=1e-3 * args.slip)
+    if not args.step:
+        return _Auto(tolerance=tolerance, of_effects=tolerance)
+    fidelity = Fidelity.within(tolerance, effects_too=True)
+    print(f"time step {1e3 * fidelity.timestep_s:g} ms, {fidelity.noslip_iterations} noslip iterations")
+    return _Auto(tolerance=tolerance, of_effects=fidelity.auto_effects or tolerance, engine=fidelity.engine)
+
+
+def _setup(
+    model: ObjectModel, calibration: FingerCalibration, effects: Effects, engine: EngineSettings | None
+) -> TrialSetup:
+    return prepare(model, calibration, effects=effects, engine=engine)
 
 
 Variant = tuple[Effects, float, float]
 """Effects that are kept, and the declared errors of angle [deg] and slip [m]."""
 
 
-def _variants(facts: SceneFacts, tolerance: Tolerance | None) -> Mapping[str, Variant]:
-    if tolerance is not None:
-        return {"auto": (choose(facts, tolerance)[0], tolerance.angle_deg, tolerance.slip_m)}
+def _variants(facts: SceneFacts, auto: _Auto | None) -> Mapping[str, Variant]:
+    if auto is not None:
+        return {"auto": (choose(facts, auto.of_effects)[0], auto.tolerance.angle_deg, auto.tolerance.slip_m)}
     answers: dict[str, Answer] = {answer.name: answer for answer in choose(facts, _ANYTHING)[1]}
     declared = {name: (a.omission_error_deg, a.omission_error_m) for name, a in answers.items()}
     return {
@@ -123,11 +155,12 @@ def _variants(facts: SceneFacts, tolerance: Tolerance | None) -> Mapping[str, Va
 
 
 def _bare_rows(
-    scene: BareHand, calibration: FingerCalibration, everything: Effects, tolerance: Tolerance | None, seed: int
+    scene: BareHand, calibration: FingerCalibration, everything: Effects, auto: _Auto | None, seed: int
 ) -> Iterator[Row]:
-    base = run_bare(scene, calibration, everything, seed)
-    for name, variant in _variants(SceneFacts.bare(scene, calibration, everything), tolerance).items():
-        yield _row("bare hand", seed, variant, omission(name, base, run_bare(scene, calibration, variant[0], seed)))
+    base, engine = run_bare(scene, calibration, everything, seed), None if auto is None else auto.engine
+    for name, variant in _variants(SceneFacts.bare(scene, calibration, everything), auto).items():
+        change = omission(name, base, run_bare(scene, calibration, variant[0], seed, engine))
+        yield _row("bare hand", seed, variant, change)
 
 
 def _row(scene: str, seed: int, variant: Variant, change: Omission) -> Row:

@@ -1,11 +1,13 @@
 """Random actions by the million: nothing may become NaN or leave its space, and memory must stay flat.
 
 The steps are shared out over both environments and all their action and observation modes, with all randomisations and
-all effects in turn. Engine warnings and divergences are counted by name; memory is the process's own, resident.
+all effects in turn. Engine warnings and divergences are counted by name; memory is the process's own, resident. With
+``--json`` the figures so far are written after every case, and say whether the run is complete.
 """
 
 import itertools
 import os
+import time
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
@@ -21,6 +23,7 @@ from scripts import _cli
 EXAMPLES = """examples:
   random_steps.py --steps 1000000 --json out/random.json
   random_steps.py --steps 3600 --objects apple
+  random_steps.py --steps 1000000 --period 0.02 --json out/random.json      # single ticks of the controller
 """
 OBJECTS = "apple,lemon,mug,soup_can,banana"
 EPISODE_STEPS = 250
@@ -33,6 +36,8 @@ def parser() -> _cli.Parser:
     p = _cli.Parser(description=__doc__, examples=EXAMPLES)
     p.add_argument("--steps", type=_cli.positive_int, default=1_000_000, help="in all (default %(default)s)")
     p.add_argument("--objects", default=OBJECTS, help="catalogue names of the grasps (default %(default)s)")
+    text = "time of a step in s, a multiple of 0.02 (default %(default)s)"
+    p.add_argument("--period", type=_cli.positive_float, default=0.04, metavar="S", help=text)
     p.add_common(seed="seed of episodes and actions", json="write the figures to this file")
     return p
 
@@ -54,19 +59,35 @@ def _job(argv: Sequence[str] | None) -> int:
     with tqdm(total=2 * len(cases) * share, desc="steps", unit="step", disable=None) as bar:
         for half, (k, (env_id, given)) in itertools.product(range(2), enumerate(cases)):
             if k not in made:
-                made[k] = gymnasium.make(env_id, max_episode_steps=EPISODE_STEPS, **given)
+                period = {"control_period_s": args.period}
+                made[k] = gymnasium.make(env_id, max_episode_steps=EPISODE_STEPS, **given, **period)
             _run(made[k], share, args.seed + 2 * k + half, counts)
             memory.append(_resident_bytes())
             bar.update(share)
-    grown = memory[-1] - memory[len(cases) - 1]
-    data = {"steps": counts.pop("steps"), "cases": len(cases), "counts": dict(counts), "grown_bytes": grown}
-    data |= {"resident_bytes_first": memory[0], "resident_bytes_last": memory[-1]}
-    print(f"{data['steps']} steps in {len(cases)} cases: {dict(counts)}")
+            if args.json is not None:
+                _cli.write_json(args.json, _figures(counts, memory, len(cases), args.period))
+    data = _figures(counts, memory, len(cases), args.period)
+    grown = data["grown_bytes"]
+    print(f"{data['steps']} steps in {len(cases)} cases: {data['counts']}")
     print(f"memory: {memory[len(cases) - 1] >> 20} MiB after the first half, {memory[-1] >> 20} MiB at the end")
-    if args.json is not None:
-        _cli.write_json(args.json, data)
     bad = counts["not finite or outside the space"] > 0 or grown > LEAK_BYTES
     return _cli.INCOMPLETE if bad else 0
+
+
+def _figures(counts: Counter[str], memory: list[int], cases: int, period_s: float) -> dict[str, Any]:
+    """Return the figures so far, JSON-ready."""
+    return {
+        "complete": len(memory) == 2 * cases,
+        "steps": counts["steps"],
+        "step_s": period_s,
+        "processor_s": time.process_time(),
+        "cases": cases,
+        "cases_run_twice": max(0, len(memory) - cases),
+        "counts": {name: int(n) for name, n in counts.items() if name != "steps"},
+        "grown_bytes": memory[-1] - memory[cases - 1] if len(memory) > cases else 0,
+        "resident_bytes_first": memory[0],
+        "resident_bytes_last": memory[-1],
+    }
 
 
 def _cases(objects: tuple[str, ...]) -> list[tuple[str, dict[str, Any]]]:

@@ -11,6 +11,7 @@ import numpy.typing as npt
 from softhand_sim.actuation import Course, EngineArrays, HandParts, Runner, engine_runner, prepare_actuation
 from softhand_sim.calibration import JOINTS, FingerCalibration
 from softhand_sim.calibration.limits import CalibratedRange, RangeWatch
+from softhand_sim.elements import FINGERS
 from softhand_sim.hand.anatomy import HandAnatomy
 from softhand_sim.hand.index import HandIndex
 from softhand_sim.losses import Losses, LossState
@@ -22,6 +23,7 @@ Vector = npt.NDArray[np.float64]
 
 RANGE_WATCH_S = 0.02
 """Choice: how often range_watch looks, the sensors' period; every step would cost some per cent of a trial."""
+_NONE_GIVEN = np.zeros((0, len(FINGERS)))
 _BAD = (
     mujoco.mjtWarning.mjWARN_BADQPOS,
     mujoco.mjtWarning.mjWARN_BADQVEL,
@@ -50,6 +52,7 @@ class HandSimulation:
     set_pressure_pa_gauge: wanted pressure per element (Pa), shape (3,).
     range_watch: what went beyond the calibrated range since the reset; never silently extrapolated.
     losses: friction, relaxation and relief of the fingers; by default the calibration's friction alone.
+    warnings: how often the engine gave each of its warnings, a view, one number a kind.
 
     Without `pneumatics` (None) the fingers have the wanted pressure at once, and there is no gas.
     """
@@ -67,6 +70,7 @@ class HandSimulation:
         self.losses = losses = Losses.of(self.calibration) if self.losses is None else self.losses
         self._played: Iterator[Vector] | None = None
         # views of the engine's memory, which never moves
+        self.warnings = self.data.warning.number
         engine = EngineArrays(
             ten_length=self.data.ten_length[None], qpos=self.data.qpos[None], ctrl=self.data.ctrl[None]
         )
@@ -75,6 +79,7 @@ class HandSimulation:
         self._run = engine_runner(self._actuation, self.model, self.data)
         speed, rate = self.anatomy.wrist_speed_m_per_s, self.anatomy.wrist_rate_rad_per_s
         self._wrist, self._limits = np.zeros((2, 1, 6)), np.array([speed * self.dt, rate * self.dt])
+        self._clock = np.array([0.0, 0.0, RANGE_WATCH_S])
         # compiled steps know three hinges a finger
         self._looks_itself = self.index.joint_qpos.shape[1] == len(JOINTS)
         self._idle = self.pneumatics is None and not losses.any
@@ -110,7 +115,7 @@ class HandSimulation:
                 self._actuation.step(self.dt)
                 mujoco.mj_step(self.model, self.data, nstep=taken)
                 self._look()
-            elif self._played is None and self._run is not None:
+            elif self._run is not None:
                 taken = steps if self._looks_itself else min(steps, self._steps_to_look)
                 self._take(self._run, taken)
             else:
@@ -120,7 +125,7 @@ class HandSimulation:
 
     def step(self) -> None:
         """Advance by one time step of the engine."""
-        if self._run is not None and self._played is None:
+        if self._run is not None:
             self._take(self._run, 1)
             return
         self.move_wrist()
@@ -133,10 +138,11 @@ class HandSimulation:
 
     def _take(self, run: Runner, steps: int) -> None:
         """Take steps in compiled code."""
-        next_look_s = self._next_look_s if self._looks_itself else math.inf
-        wrist, clock = self._wrist, np.array([self.data.time, next_look_s, RANGE_WATCH_S])
+        wrist, clock = self._wrist, self._clock
+        clock[0], clock[1] = self.data.time, self._next_look_s if self._looks_itself else math.inf
         wrist[0, 0], wrist[1, 0] = self.wrist_reference, self.wrist_target
-        course = Course(wrist=wrist, limits=self._limits, extremes=self.range_watch.extremes, clock=clock)
+        given = _NONE_GIVEN if self._played is None else np.array([next(self._played) for _ in range(steps)])
+        course = Course(wrist=wrist, limits=self._limits, extremes=self.range_watch.extremes, clock=clock, given=given)
         try:
             run(course, self.dt, steps)
         finally:
@@ -237,8 +243,7 @@ class HandSimulation:
     @property
     def diverged(self) -> bool:
         """Whether the engine reported an instability or a coordinate is not finite."""
-        numbers = self.data.warning.number
-        warned = any(numbers[kind] > 0 for kind in INSTABILITY)
+        warned = any(self.warnings[kind] > 0 for kind in INSTABILITY)
         return warned or not bool(np.isfinite(self.data.qpos).all())
 
     def tip_angles_rad(self) -> Vector:

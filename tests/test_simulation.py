@@ -162,3 +162,26 @@ def test_steps_at_one_go_are_single_steps_to_the_bit(calibration):
             watched = simulation.range_watch
             ends.append((simulation.data.time, simulation.data.qpos.tobytes(), watched.extremes.tobytes()))
         assert ends[0] == ends[1]
+
+
+def test_recorded_pressures_at_one_go_repeat_a_run_to_the_bit_and_leave_the_gas_alone(simulation):
+    def start():
+        simulation.reset(np.random.default_rng(0), np.array([0.0, 0.0, 0.3, 0.0, 0.0, 0.0]))
+        simulation.set_pressure_pa_gauge = np.array([50e3, 60e3, 70e3])
+
+    start()
+    pressures = []
+    for _ in range(60):
+        simulation.step()
+        pressures.append(simulation.data.ctrl[simulation.index.pressure_ctrl].copy())
+    end = simulation.data.qpos.tobytes()
+    start()
+    gas = simulation.gas
+    simulation.play_pressures(iter(pressures))
+    for steps in (1, 9, 20, 30):
+        simulation.advance(steps)
+    assert simulation.data.qpos.tobytes() == end
+    assert simulation.gas == gas
+    simulation.play_pressures(None)
+    simulation.advance(10)
+    assert simulation.gas.mass_kg != gas.mass_kg

@@ -32,7 +32,9 @@ def engine_runner(actuation: Actuation, model: mujoco.MjModel, data: mujoco.MjDa
     from softhand_sim.actuation.native import EngineGuard  # noqa: PLC0415
 
     assert isinstance(actuation, CompiledActuation)
-    return partial(actuation.run, EngineGuard(model, data))
+    guard = EngineGuard(model, data)
+    actuation.load_run(guard)
+    return partial(actuation.run, guard)
 
 
 def wrist_mover() -> Callable[[Vector, Vector, float, float], None]:

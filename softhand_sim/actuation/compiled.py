@@ -13,9 +13,11 @@ from softhand_sim.actuation.native import EngineGuard
 from softhand_sim.actuation.parts import Course, EngineArrays, HandParts
 from softhand_sim.actuation.run import FAILED, run_world
 from softhand_sim.actuation.switching import command_onoff, read_sensors, switch_valves
+from softhand_sim.calibration.limits import EXTREMES
 from softhand_sim.compiling import loaded
 from softhand_sim.control.onoff import OnOffController
 from softhand_sim.control.protocol import ValveCommand, checked_answer
+from softhand_sim.elements import FINGERS
 from softhand_sim.losses import LossState
 from softhand_sim.pneumatics.compiled.layout import GAS_PRESSURE, MANIFOLDS, element_records, receiver_row
 from softhand_sim.pneumatics.element import Element
@@ -83,12 +85,12 @@ class CompiledActuation:
 
     def run(self, guard: EngineGuard, course: Course, dt: float, steps: int) -> None:
         """Take steps of the only world, with as little Python as may be: a `Runner` of the guard's world."""
+        if len(course.given):
+            self.play(course.given[:1])
         begins = True
         while steps > 0:
-            e, noise = self._engine, self._noise_ahead(dt * steps)
-            state = (guard.words, self._elements, self._hands, self._worlds, self._receiver)
-            beside = (course.wrist, course.limits, course.extremes, course.clock)
-            arguments = (*state, e.ten_length, e.qpos, e.ctrl, *beside, noise, dt, steps, begins)
+            noise = self._noise_ahead(dt * steps)
+            arguments = self._run_arguments(guard, course, noise, dt, steps, begins=begins)
             done, why = self._call(run_world, *arguments)
             steps -= done
             if why == FAILED:
@@ -98,6 +100,22 @@ class CompiledActuation:
             if why == AT_TICK and self._hand.pneumatics is not None:
                 self._tick(self._hand.pneumatics)
             begins = False
+
+    def load_run(self, guard: EngineGuard) -> None:
+        """Compile `run`, or load its code, which takes up to seconds, before the first step."""
+        course = Course(
+            wrist=np.zeros((2, 1, 6)), limits=np.zeros(2), extremes=np.zeros(EXTREMES), clock=np.zeros(3),
+            given=np.zeros((0, len(FINGERS))),
+        )  # fmt: skip
+        self._call(run_world, *self._run_arguments(guard, course, np.zeros((0, 3)), 0.0, 0, begins=True))
+
+    def _run_arguments(
+        self, guard: EngineGuard, course: Course, noise: Vector, dt: float, steps: int, *, begins: bool
+    ) -> tuple[Any, ...]:
+        e = self._engine
+        state = (guard.words, self._elements, self._hands, self._worlds, self._receiver)
+        beside = (course.wrist, course.limits, course.extremes, course.clock, course.given)
+        return (*state, e.ten_length, e.qpos, e.ctrl, *beside, noise, dt, steps, begins)
 
     def _noise_ahead(self, duration_s: float) -> Vector:
         """Return the draws for the ON-OFF law's ticks in a time to come, (m, 3); none for other laws."""

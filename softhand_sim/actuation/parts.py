@@ -44,12 +44,15 @@ class Course:
     limits: the longest move [m] and turn [rad] of the wrist in a step, (2,).
     extremes: of a `RangeWatch`.
     clock: the world's time, that of the next look at the extremes, and the time between looks [s], (3,).
+    given: recorded pressures for every step [Pa gauge], (steps, 5), that the fingers get while the gas stands still; or
+        none, (0, 5).
     """
 
     wrist: Vector
     limits: Vector
     extremes: Vector
     clock: Vector
+    given: Vector
 
 
 class Runner(Protocol):

@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softhand_sim.actuation.kernel import AT_TICK, ENDED, NO_VOLUME, advance_world, move_wrists
+from softhand_sim.actuation.layout import GIVEN
 from softhand_sim.actuation.native import guarded_step
 from softhand_sim.actuation.switching import tick_onoff
 from softhand_sim.calibration.limits import HIGHEST, LOWEST, PRESSURES
@@ -32,10 +33,22 @@ def _look(hand: Any, world: Any, qpos: F64, extremes: F64) -> None:
             extremes[LOWEST + k] = np.minimum(extremes[LOWEST + k], angle)
 
 
+@inner
+def _command(hand: Any, world: Any, wrist: F64, limits: F64, ctrl: F64, given: F64, step: int) -> None:
+    """Move the wrist's reference, and take the recorded pressures of this step if there are such."""
+    move_wrists(wrist[0], wrist[1], limits[0], limits[1])
+    for j in range(6):
+        ctrl[hand.wrist_ctrl[j]] = wrist[0, 0, j]
+    if world.source == GIVEN:
+        for i in range(given.shape[1]):
+            world.pressure[i] = given[step, i]
+
+
 @entry
 def run_world(  # noqa: PLR0913, PLR0917 - a compiled function takes arrays, not objects
     words: npt.NDArray[np.int64], elements: Any, hands: Any, worlds: Any, receiver: F64, ten_length: F64, qpos: F64,
-    ctrl: F64, wrist: F64, limits: F64, extremes: F64, clock: F64, noise: F64, dt: float, steps: int, begins: bool,
+    ctrl: F64, wrist: F64, limits: F64, extremes: F64, clock: F64, given: F64, noise: F64, dt: float,
+    steps: int, begins: bool,
 ) -> tuple[int, int]:  # fmt: skip
     """Take steps of the only world of the arrays, as far as control ticks can be done here.
 
@@ -50,6 +63,8 @@ def run_world(  # noqa: PLR0913, PLR0917 - a compiled function takes arrays, not
     extremes, clock
         Of a `RangeWatch`; the world's time, that of the next look (never where fingers have more than three hinges),
         and the time between looks [s], (3,).
+    given
+        Recorded pressures in the fingers [Pa gauge] for every step, (steps, 5), instead of the gas's; or none, (0, 5).
     noise
         Standard normal draws for the ON-OFF law's ticks to come, (m, 3); the first tick without is left to the caller.
     steps
@@ -65,9 +80,7 @@ def run_world(  # noqa: PLR0913, PLR0917 - a compiled function takes arrays, not
     hand, world, nodes, holes, ticks = hands[0], worlds[0], np.empty(SCRATCH_SHAPE), np.zeros((5, 4)), 0
     for done in range(steps):
         if begins:
-            move_wrists(wrist[0], wrist[1], limits[0], limits[1])
-            for j in range(6):
-                ctrl[0, hand.wrist_ctrl[j]] = wrist[0, 0, j]
+            _command(hand, world, wrist, limits, ctrl[0], given, done)
         while True:
             state = advance_world(
                 elements, hand, world, receiver, nodes, holes, ten_length[0], qpos[0], ctrl[0], dt, begins

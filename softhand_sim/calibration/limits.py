@@ -27,10 +27,19 @@ _WIDER = (np.maximum, np.maximum, np.maximum, np.minimum)
 
 @dataclass(frozen=True, kw_only=True)
 class CalibratedRange:
-    """Highest pressure [Pa gauge] and joint angles [rad], (3,), of the calibration's curve; the lowest are 0."""
+    """Highest pressure [Pa gauge] and joint angles [rad], (3,), of the calibration's curve; the lowest are 0.
+
+    ``highest`` has them in the order of `RangeWatch.extremes`, without the lowest angles, with their margins, (23,).
+    """
 
     pressure_pa_gauge: float
     joint_angle_rad: Vector
+    highest: Vector = field(init=False)
+
+    def __post_init__(self) -> None:
+        pressure, angles = self.pressure_pa_gauge, np.tile(self.joint_angle_rad, len(FINGERS)) + ANGLE_MARGIN_RAD
+        sets, chambers = [pressure + SET_PRESSURE_MARGIN_PA] * PRESSURES, [pressure + PRESSURE_MARGIN_PA] * len(FINGERS)
+        object.__setattr__(self, "highest", np.array([*sets, *chambers, *angles]))
 
     @classmethod
     def of(cls, calibration: FingerCalibration) -> "CalibratedRange":
@@ -69,14 +78,7 @@ class RangeWatch:
 
     def passed(self) -> bool:
         """Return whether anything went beyond the calibrated range: what `beyond` would name, without the names."""
-        highest, joint_rad = self.limits.pressure_pa_gauge, self.limits.joint_angle_rad
-        sets, pressures, high, low = _parts(self.extremes)
-        return bool(
-            sets.max() > highest + SET_PRESSURE_MARGIN_PA
-            or pressures.max() > highest + PRESSURE_MARGIN_PA
-            or low.min() < -ANGLE_MARGIN_RAD
-            or (high > joint_rad + ANGLE_MARGIN_RAD).any()
-        )
+        return bool(_passed(self.limits, self.extremes))
 
     def farthest(self) -> tuple[float, float]:
         """Return by how much a pressure [Pa] passed the calibrated one, and a joint [rad] its stops; 0 without."""
@@ -126,22 +128,21 @@ class RangeWatches:
 
     def passed(self) -> npt.NDArray[np.bool_]:
         """Return whether anything of each world went beyond the calibrated range, (n,): `RangeWatch.passed`."""
-        highest, joint_rad = self._limits.pressure_pa_gauge, self._limits.joint_angle_rad
-        sets, pressures, high, low = _parts(self.extremes)
-        return np.asarray(
-            (sets.max(axis=1) > highest + SET_PRESSURE_MARGIN_PA)
-            | (pressures.max(axis=1) > highest + PRESSURE_MARGIN_PA)
-            | (low.min(axis=(1, 2)) < -ANGLE_MARGIN_RAD)
-            | (high > joint_rad + ANGLE_MARGIN_RAD).any(axis=(1, 2))
-        )
+        return _passed(self._limits, self.extremes)
 
     def of_world(self, world: int) -> RangeWatch:
         """Return what one world showed."""
         return RangeWatch(limits=self._limits, extremes=self.extremes[world].copy())
 
 
+def _passed(limits: CalibratedRange, extremes: Vector) -> npt.NDArray[np.bool_]:
+    """Return whether any of the extremes, (..., 38), is outside the range and its margins."""
+    high = (extremes[..., :LOWEST] > limits.highest).any(axis=-1)
+    return np.asarray(high | (extremes[..., LOWEST:] < -ANGLE_MARGIN_RAD).any(axis=-1))
+
+
 def _parts(extremes: Vector) -> tuple[Vector, Vector, Vector, Vector]:
     """Return views of extremes, (..., 38): (..., 3), (..., 5), and twice (..., 5, 3)."""
-    sets, pressures, high, low = np.split(extremes, (PRESSURES, HIGHEST, LOWEST), axis=-1)
     joints = (*extremes.shape[:-1], len(FINGERS), len(JOINTS))
-    return sets, pressures, high.reshape(joints), low.reshape(joints)
+    high, low = extremes[..., HIGHEST:LOWEST].reshape(joints), extremes[..., LOWEST:].reshape(joints)
+    return extremes[..., :PRESSURES], extremes[..., PRESSURES:HIGHEST], high, low

@@ -11,6 +11,7 @@ from softhand_sim.calibration import FingerCalibration
 from softhand_sim.effects.bare import BareHand
 from softhand_sim.effects.effects import NEED_GAS, Effects
 from softhand_sim.grasp.trial import TrialSetup, run_trial
+from softhand_sim.hand.scene import EngineSettings
 from softhand_sim.simulation import HandSimulation
 
 _NOISE_CHANGE = 1.01
@@ -88,9 +89,15 @@ def run_grasp(setup: TrialSetup, seed: int) -> SceneRun:
     return SceneRun(tip_angle_deg=np.array(rows)[late], slip_m=slip_m, verdict=str(result.outcome), processor_s=took)
 
 
-def run_bare(scene: BareHand, calibration: FingerCalibration, effects: Effects, seed: int) -> SceneRun:
+def run_bare(
+    scene: BareHand,
+    calibration: FingerCalibration,
+    effects: Effects,
+    seed: int,
+    engine: EngineSettings | None = None,
+) -> SceneRun:
     """Run a hand without an object."""
-    angles, took = scene.run(calibration, effects, seed)
+    angles, took = scene.run(calibration, effects, seed, engine=engine)
     return SceneRun(tip_angle_deg=angles, slip_m=0.0, verdict="", processor_s=took)
 
 

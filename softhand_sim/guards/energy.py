@@ -29,6 +29,9 @@ class EnergyBook:
         # views of the engine's memory, which never moves
         self._energy, self._force, self._length = data.energy, data.actuator_force, data.actuator_length
         self._place, self._push = data.xipos[body], data.xfrc_applied[body, :3]
+        # what the engine's gravity compensation bears has no weight, yet its potential is counted
+        self._places, self._borne_kg = data.xipos, model.body_gravcomp * model.body_mass
+        self._floats = bool(self._borne_kg.any())
         self._work, self._way = np.empty_like(self._force), np.empty_like(self._length)
         self.begin()
 
@@ -65,7 +68,10 @@ class EnergyBook:
     def _energy_j(self) -> float:
         mujoco.mj_energyPos(self._model, self._data)
         mujoco.mj_energyVel(self._model, self._data)
-        return float(sum(self._energy.tolist()))
+        energy = float(sum(self._energy.tolist()))
+        if self._floats:
+            energy += float(self._borne_kg @ self._places @ self._model.opt.gravity)
+        return energy
 
     def state(self) -> dict[str, Vector]:
         """Return what the next look depends on."""

@@ -14,11 +14,15 @@ SECTORS = 64  # choice: a 64-gon has 0.16 % less area than its circle
 HULL_SECTORS = 32  # choice: facets of a collision hull stay within 0.2 mm of a 40 mm radius
 
 
+LARGEST_M = 100.0
+"""Choice: no hand holds it; numbers without a meaning stop here and not in the mesh library."""
+
+
 def require_positive(**lengths: float) -> None:
-    """Raise ValueError, naming the length, unless every length is finite and above zero."""
+    """Raise ValueError, naming the length, unless every length is above zero and below `LARGEST_M`."""
     for name, value in lengths.items():
-        if not (np.isfinite(value) and value > 0.0):
-            raise ValueError(f"{name} is {value}, needs a finite number > 0")
+        if not 0.0 < value < LARGEST_M:
+            raise ValueError(f"{name} is {value}, needs a finite number > 0, and < {LARGEST_M:g}")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -24,6 +24,8 @@ from softhand_sim.pneumatics.tube import tube_volume_m3
 
 Values = Sequence[float] | npt.NDArray[np.float64]
 
+LONGEST_STEP_S = 3600.0
+"""Choice: a step is split at every tick, so that 1e300 s would never end."""
 _TIME_TOLERANCE_S = 1e-9  # an event this close to a step's end belongs to the next step; far below any step
 
 
@@ -147,8 +149,8 @@ class PneumaticSystem:
             If a volume or ``dt`` is not a positive number, a set pressure is outside 0 to the supply's or the
             sensor's range, or the controller's answer is not what `Controller` promises.
         """
-        if not 0.0 < dt < math.inf:
-            raise ValueError(f"dt = {dt!r}: must be a finite number of seconds > 0")
+        if not 0.0 < dt <= LONGEST_STEP_S:
+            raise ValueError(f"dt = {dt!r}: must be a number of seconds in (0, {LONGEST_STEP_S:g}]")
         volumes = _checked_volumes(volumes_m3)
         to_tick, remaining = state.time_to_tick_s, dt
         while True:

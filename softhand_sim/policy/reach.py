@@ -39,6 +39,11 @@ class ReachSpec:
         Decisions at the start in which the script keeps the fingers open.
     step_m, step_rad
         What an action of 1 adds to the position [m] and to the turn (a rotation vector's component [rad]).
+    across_share
+        Share of `step_m` that an action may take across the palm's normal: fingers that close from the side clear the
+        table by millimetres.
+    closing_share
+        Share of these steps that an action may take while the script closes: a hand that wanders loses what it holds.
     reach_m, turn_rad
         Farthest from the script, along each axis [m] and of each component [rad].
     pressure_share
@@ -55,6 +60,8 @@ class ReachSpec:
     approach_decisions: int = 4
     step_m: float = 0.03
     step_rad: float = 0.1
+    across_share: float = 0.3
+    closing_share: float = 0.2
     reach_m: float = 0.08
     turn_rad: float = 0.4
     pressure_share: float = 0.5
@@ -65,6 +72,8 @@ class ReachSpec:
         require_in("approach_decisions", self.approach_decisions, 0, self.decisions)
         require_in("step_m", self.step_m, 0.0, 0.2)
         require_in("step_rad", self.step_rad, 0.0, 1.0)
+        require_in("across_share", self.across_share, 0.0, 1.0)
+        require_in("closing_share", self.closing_share, 0.0, 1.0)
         require_in("reach_m", self.reach_m, 1e-3, 0.2)
         require_in("turn_rad", self.turn_rad, 1e-3, 1.0)
         require_in("pressure_share", self.pressure_share, 0.0, 1.0)
@@ -162,15 +171,17 @@ class Reach:
         """
         spec = self.spec
         a = np.clip(np.asarray(action, dtype=np.float64), -1.0, 1.0)
-        self._moved = np.clip(self._moved + spec.step_m * a[:3], -spec.reach_m, spec.reach_m)
-        self._turned = np.clip(self._turned + spec.step_rad * a[3:6], -spec.turn_rad, spec.turn_rad)
+        closing = self.step >= spec.approach_decisions
+        share = spec.closing_share if closing else 1.0
+        step_m = share * spec.step_m * np.array([spec.across_share, spec.across_share, 1.0])
+        self._moved = np.clip(self._moved + step_m * a[:3], -spec.reach_m, spec.reach_m)
+        self._turned = np.clip(self._turned + share * spec.step_rad * a[3:6], -spec.turn_rad, spec.turn_rad)
         place = np.array(self.plan.wrist_pose[:3]) + self._axes @ self._moved
         turned = self._axes @ Rotation.from_rotvec(self._turned).as_matrix()
         target = np.array(pose_of_palm(place, turned))
         # the turn without a whole one more
         planned = np.array(self.plan.wrist_pose[3:])
         target[3:] -= 2.0 * np.pi * np.round((target[3:] - planned) / (2.0 * np.pi))
-        closing = self.step >= spec.approach_decisions
         pressures = self.script_pa_gauge * closing + spec.pressure_share * self.highest_pa_gauge * a[6:]
         self.step += 1
         self._open, self._seen = np.zeros(6), 0

@@ -13,6 +13,7 @@ from softhand_sim.effects.bare import BareHand
 from softhand_sim.effects.omission import SCATTER, omission, run_bare, run_grasp, without_each
 from softhand_sim.effects.scene import SceneFacts, Tolerance
 from softhand_sim.grasp.trial import prepare
+from softhand_sim.hand.scene import EngineSettings
 from softhand_sim.objects.catalogue import make_object
 
 
@@ -59,6 +60,7 @@ def test_script_holds_every_omission_against_what_was_declared(tmp_path, capsys)
     assert max(row["angle_deg"] for row in rows) > 1.0
     assert "declared" in capsys.readouterr().out
     assert main(["--objects", "nothing"]) == 2
+    assert main(["--step"]) == 2
 
 
 def test_a_bare_hand_that_is_held_long_needs_little(calibration):
@@ -82,3 +84,14 @@ def test_bad_bare_hands_are_named():
         BareHand(set_angle_deg=(-1.0, 0.0, 0.0))
     with pytest.raises(ValueError, match="hold_s"):
         BareHand(set_angle_deg=(10.0, 10.0, 10.0), hold_s=0.0)
+
+
+def test_a_tolerance_picks_effects_and_time_step_and_both_together_stay_within_it(tmp_path, capsys):
+    out = tmp_path / "auto.json"
+    scene = ["--objects", ",", "--bare", "1", "--seed", "300"]
+    assert main([*scene, "--auto", "--step", "--angle", "15", "--slip", "25", "--json", str(out)]) == 0
+    (row,) = json.loads(out.read_text())["comparisons"]
+    assert "gas" not in row["effects_kept"]
+    assert 0.0 < row["angle_deg"] <= 15.0
+    step_ms = float(capsys.readouterr().out.split("time step ")[1].split(" ms")[0])
+    assert step_ms > 1e3 * EngineSettings.timestep_s

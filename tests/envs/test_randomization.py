@@ -1,12 +1,14 @@
 """Draws: in their ranges, fixed by options one at a time, and felt by the world."""
 
 import dataclasses
+import json
 
 import numpy as np
 import pytest
 import trimesh
 
 import envs
+from envs.config import EnvConfig
 from envs.draw import Drawer
 from envs.randomization import DOMAIN, NONE, Randomization
 from softhand_sim.calibration.pad import load_pad_evidence
@@ -180,3 +182,12 @@ def test_soft_pads_get_the_drawn_friction():
     assert model.npair == 30
     assert set(model.pair_friction[:, 0]) == set(model.pair_friction[:, 1]) == {0.35}
     env.step(np.zeros(3))
+
+
+def test_ranges_come_from_fields_by_name():
+    ranges = Randomization(position_m=0.03, friction=(0.5, 1.0))
+    as_json = json.loads(json.dumps(dataclasses.asdict(ranges)))
+    assert Randomization.from_fields(as_json) == ranges
+    assert EnvConfig(randomization={"position_m": 0.03}).ranges.position_m == 0.03
+    with pytest.raises(ValueError, match="postion_m"):
+        EnvConfig(randomization={"postion_m": 0.03})

@@ -97,7 +97,7 @@ def test_a_lost_world_ends_alone_and_starts_anew():
     still = np.full((WORLDS, 3), -1.0)
     untouched = envs.SoftHandReorientVectorEnv(num_envs=WORLDS)
     untouched.reset(seed=0)
-    vector._lanes._hands.engine.state[1, 1:10] = np.nan
+    vector.episodes[1].here.simulation.data.qpos[:9] = np.nan
     seen, _, terminated, _, infos = vector.step(still)
     expected = untouched.step(still)[0]
     assert terminated.tolist() == [False, True, False]

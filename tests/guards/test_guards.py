@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from scripts.grasp_benchmark import main
+from softhand_sim.effects import BENCH
 from softhand_sim.grasp.phases.hold import Hold
 from softhand_sim.grasp.phases.lift import Lift
 from softhand_sim.grasp.phases.shake import Shake
@@ -182,3 +183,13 @@ def test_plain_values_come_back_and_strangers_are_refused():
     ):
         with pytest.raises(ValueError, match=r"kind|energy_j|Guards"):
             from_plain(broken)
+
+
+def test_weight_that_the_engine_bears_is_no_energy(calibration):
+    """Fingers without weight: their rise in a lift is no work, and no gain either."""
+    effects = dataclasses.replace(BENCH, gravity=None)
+    lemon = make_object("lemon")
+    setup = prepare(lemon, calibration, protocol=SHORT, effects=effects, plan=plan_grasp(lemon))
+    assert setup.scene.model.body_gravcomp.any()
+    guards = dataclasses.replace(NONE, energy_j=1e-3)
+    assert run_trial(dataclasses.replace(setup, guards=guards), 0).alarm == ""

@@ -64,10 +64,15 @@ def test_actions_move_in_the_palms_frame_and_add_up_to_a_limit(setup):
     forward = np.eye(ACTIONS)[2]
     places = np.array([reach.decide(forward)[0][:3] for _ in range(4)])
     way = (places - np.array(setup.plan.wrist_pose[:3])) @ -np.array(setup.plan.retreat)
-    np.testing.assert_allclose(
-        way, np.minimum(SPEC.step_m * np.arange(1, 5), SPEC.reach_m) * way[0] / SPEC.step_m, atol=1e-9
-    )
+    # two whole steps, the third up to the limit
+    np.testing.assert_allclose(way / way[0], np.minimum([1.0, 2.0, 3.0, 3.0], SPEC.reach_m / SPEC.step_m), atol=1e-9)
     assert way[0] > 0.9 * SPEC.step_m
+    short = reach_of(setup)
+    sideways = np.array([short.decide(np.eye(ACTIONS)[0])[0][:3] for _ in range(1)])
+    short.step = SPEC.approach_decisions
+    assert np.linalg.norm(short.decide(np.eye(ACTIONS)[0])[0][:3] - sideways) == pytest.approx(
+        SPEC.closing_share * SPEC.across_share * SPEC.step_m
+    )
     open_, full = (reach_of(setup).decide(share * np.ones(ACTIONS))[1] for share in (-1.0, 5.0))
     assert (open_ == 0.0).all()
     np.testing.assert_allclose(full, SPEC.pressure_share * reach.highest_pa_gauge)
