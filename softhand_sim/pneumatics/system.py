@@ -26,6 +26,8 @@ Values = Sequence[float] | npt.NDArray[np.float64]
 
 LONGEST_STEP_S = 3600.0
 """Choice: a step is split at every tick, so that 1e300 s would never end."""
+SMALLEST_VOLUME_M3 = 1e-15
+"""Choice: a hundredth of a millimetre cubed; in 1e-300 m3 a step's rounding is more than all the gas."""
 _TIME_TOLERANCE_S = 1e-9  # an event this close to a step's end belongs to the next step; far below any step
 
 
@@ -250,6 +252,8 @@ def _later(state: PneumaticState, dt: float) -> PneumaticState:
 def _checked_volumes(volumes_m3: Values) -> Sequence[float]:
     """Return the chamber volumes [m3] per finger (5,)."""
     fingers: Sequence[float] = volumes_m3.tolist() if isinstance(volumes_m3, np.ndarray) else volumes_m3
-    if not (len(fingers) == len(FINGERS) and min(fingers) > 0.0 and sum(fingers) < math.inf):
-        raise ValueError(f"volumes_m3 = {list(fingers)}: must be {len(FINGERS)} finite numbers > 0")
+    if not (len(fingers) == len(FINGERS) and min(fingers) > SMALLEST_VOLUME_M3 and sum(fingers) < math.inf):
+        raise ValueError(
+            f"volumes_m3 = {list(fingers)}: must be {len(FINGERS)} finite numbers > 0, and > {SMALLEST_VOLUME_M3:g}"
+        )
     return fingers
