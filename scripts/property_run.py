@@ -78,7 +78,13 @@ def _run(name: str, count: int, seed: int, folder: Path, bar: Any) -> dict[str, 
     ends: Counter[str] = Counter()
 
     @seeded(seed)
-    @settings(max_examples=count, deadline=None, database=None, suppress_health_check=list(HealthCheck))
+    @settings(
+        max_examples=count,
+        deadline=None,
+        database=None,
+        report_multiple_bugs=False,
+        suppress_health_check=list(HealthCheck),
+    )
     @given(_properties.examples(name))
     def checked(example: dict[str, Any]) -> None:
         bar.update()

@@ -6,6 +6,9 @@ from dataclasses import dataclass, field
 from softhand_sim.air import REFERENCE_DENSITY_KG_PER_M3, ROOM_TEMPERATURE_K
 from softhand_sim.checks import require_finite, require_in
 
+LARGEST_CONDUCTANCE = 1e-2
+"""Choice: a hole of a metre [m3/(s Pa)]; with 1e300 the rounding of a step's flow is more than all the gas."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Orifice:
@@ -39,7 +42,7 @@ class Orifice:
     Raises
     ------
     ValueError
-        If ``C`` or the temperature is not positive, or not ``0 <= b < r_lam < 1``.
+        If ``C`` is not in (0, 0.01], the temperature is not positive, or not ``0 <= b < r_lam < 1``.
     """
 
     sonic_conductance_m3_per_s_pa: float = 5e-11
@@ -52,6 +55,7 @@ class Orifice:
     def __post_init__(self) -> None:
         b, r_lam = self.critical_pressure_ratio, self.laminar_pressure_ratio
         require_finite("sonic_conductance_m3_per_s_pa", self.sonic_conductance_m3_per_s_pa, above=0.0)
+        require_in("sonic_conductance_m3_per_s_pa", self.sonic_conductance_m3_per_s_pa, 0.0, LARGEST_CONDUCTANCE)
         require_finite("temperature_k", self.temperature_k, above=0.0)
         require_in("laminar_pressure_ratio", r_lam, 0.9, 0.9999)
         require_in("critical_pressure_ratio", b, 0.0, 0.8)

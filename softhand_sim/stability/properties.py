@@ -144,10 +144,10 @@ def trial(  # noqa: PLR0913 - each is a value of the example
 
 def _shape(kind: str, a_m: float, b_m: float, c_m: float) -> ShapeGeometry:
     sizes: dict[str, dict[str, float]] = {
-        "sphere": {"diameter_m": a_m, "wall_thickness_m": b_m},
+        "sphere": {"diameter_m": a_m, "wall_thickness_m": 0.5 * a_m},
         "box": {"depth_m": a_m, "width_m": b_m, "height_m": c_m},
         "cylinder": {"diameter_m": a_m, "height_m": b_m},
-        "rod": {"thick_diameter_m": a_m, "thick_length_m": b_m, "thin_diameter_m": c_m, "thin_length_m": b_m},
+        "rod": {"thick_diameter_m": a_m, "thick_length_m": b_m, "thin_diameter_m": 0.6 * a_m, "thin_length_m": b_m},
     }
     return GENERATORS[kind](**sizes[kind])
 

@@ -10,9 +10,13 @@ from PIL import Image
 from fea.stability.case import judged as judged_solid
 from fea.stability.cases import SOLID_CASES
 from scripts import hard_cases as script
+from softhand_sim.grasp.verdict import Outcome
 from softhand_sim.guards.caveats import VERIFIED_STEP_S
+from softhand_sim.hand.scene import EngineSettings, for_friction
+from softhand_sim.objects.catalogue import make_object
 from softhand_sim.stability import hard_cases
 from softhand_sim.stability.case import CaseOutcome, judged, refused
+from softhand_sim.stability.creep import WITHOUT_CREEP, creep
 from softhand_sim.stability.scene_runs import Grasped
 
 MUST_BE_TYPED = {
@@ -97,3 +101,18 @@ def test_script_writes_rows_heat_map_and_page(tmp_path, capsys):
 def test_bad_calls_are_refused(command, said, capsys):
     assert script.main(command) == 2
     assert said in capsys.readouterr().err
+
+
+def test_sticky_objects_get_the_noslip_iterations_they_need():
+    usual = EngineSettings()
+    assert for_friction(usual, 0.8) is usual
+    assert for_friction(usual, 2.0).noslip_iterations == 30
+    assert for_friction(dataclasses.replace(usual, noslip_iterations=50), 2.0).noslip_iterations == 50
+
+
+def test_creep_of_a_short_hold_and_its_share_of_the_cone(calibration):
+    found = creep(make_object("lemon"), calibration, WITHOUT_CREEP, hold_s=3.0)
+    assert found.outcome is Outcome.HELD
+    assert found.creep_m_per_s < 1e-4
+    # inside its cone; after ten minutes a quarter of it is left
+    assert 0.1 < found.cone_share < 0.8
