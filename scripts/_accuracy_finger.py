@@ -45,7 +45,8 @@ def table(calibration: FingerCalibration, fea_file: Path, repeats: int, tick: Ca
     """
     fea = _finite_elements(read_runs(fea_file)) if fea_file.exists() else {}
     analysis = _analysis(calibration)
-    coarser = fea[NEXT] if NEXT in fea and fea[NEXT].force_n is not None else analysis
+    coarser = fea.get(NEXT, analysis)
+    pushed = analysis if coarser.force_n is None else coarser
     reference = fea.get(REFERENCE, analysis)
     rungs: dict[str, tuple[Sweep, str]] = {}
     for name, one in _closed_forms(calibration).items():
@@ -58,11 +59,11 @@ def table(calibration: FingerCalibration, fea_file: Path, repeats: int, tick: Ca
     for name, one in fea.items():
         rungs[f"FEA {name}"] = (one, f"scripts/accuracy_fea.py --rungs {name}")
     on_reference = REFERENCE in fea and fea[REFERENCE].force_n is not None
-    forced = reference if on_reference else coarser
-    less = coarser if on_reference else fea.get("coarse-P2", coarser)
+    forced = reference if on_reference else pushed
+    less = pushed if on_reference else fea.get("coarse-P2", pushed)
     rows = [_row(name, sweep, reference, forced, command) for name, (sweep, command) in rungs.items()]
     own, force = _row("", coarser, reference, forced, ""), _row("", less, reference, forced, "")
-    force_bar = None if less is forced else force["force_error_ratio"]
+    force_bar = None if less is forced or less.force_n is None else force["force_error_ratio"]
     for row in rows:
         if row["name"] == f"FEA {REFERENCE}":
             row |= {key: own[key] for key in ("angle_error_deg", "angle_error_max_deg", "tip_error_m")}
@@ -71,7 +72,7 @@ def table(calibration: FingerCalibration, fea_file: Path, repeats: int, tick: Ca
     return {
         "pressure_pa_gauge": list(PRESSURES_PA_GAUGE),
         "reference": REFERENCE if REFERENCE in fea else SHIPPED,
-        "force_reference": REFERENCE if on_reference else NEXT if coarser is not analysis else SHIPPED,
+        "force_reference": REFERENCE if on_reference else NEXT if pushed is not analysis else SHIPPED,
         "error_bar": {
             "angle_deg": None if coarser is reference else own["angle_error_deg"],
             "tip_m": None if coarser is reference else own["tip_error_m"],
