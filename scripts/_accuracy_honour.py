@@ -26,7 +26,7 @@ Row = dict[str, Any]
 
 def honour(
     calibration: FingerCalibration,
-    front: Front,
+    front: Front[Fidelity],
     tolerances: Sequence[Tolerance],
     scenes: int,
     seed: int,

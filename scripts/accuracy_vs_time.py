@@ -18,7 +18,7 @@ from scripts import (
 )
 from scripts._tolerance import parse_tolerance
 from softhand_sim.calibration import FingerCalibration, load_calibration
-from softhand_sim.fidelity.front import load_front, shipped_front
+from softhand_sim.fidelity.fidelity import load_front, shipped_front
 
 EXAMPLES = """examples:
   accuracy_vs_time.py --json out/accuracy.json           # all parts; the finite elements' runs are data

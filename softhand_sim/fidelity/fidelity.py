@@ -1,36 +1,17 @@
 """How finely a scene is simulated, as one value: what `for_tolerance` picks and what every run can be given."""
 
 from dataclasses import asdict, dataclass, fields, replace
+from functools import cache
+from pathlib import Path
 from typing import Any
 
-from softhand_sim.checks import require_finite
+from assets import asset_path
 from softhand_sim.effects import BENCH, PRESETS, Effects
 from softhand_sim.effects.scene import Tolerance
+from softhand_sim.fidelity.front import Front, Measured, read_front
 from softhand_sim.fidelity.shapes import Shapes
 from softhand_sim.hand.chain import check_links
 from softhand_sim.hand.scene import EngineSettings
-
-
-@dataclass(frozen=True, kw_only=True)
-class Measured:
-    """What the front's measurement says of a setting (`softhand_sim.fidelity.front`).
-
-    Attributes
-    ----------
-    name: the point's.
-    angle_error_deg, slip_error_m: within which the scenes of the measurement were, but for 3 %, of the finest setting.
-    cost_ratio: processor time for a simulated second over that of the bare engine at the default setting.
-    """
-
-    name: str
-    angle_error_deg: float
-    slip_error_m: float
-    cost_ratio: float
-
-    def __post_init__(self) -> None:
-        require_finite("angle_error_deg", self.angle_error_deg, at_least=0.0)
-        require_finite("slip_error_m", self.slip_error_m, at_least=0.0)
-        require_finite("cost_ratio", self.cost_ratio, above=0.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -97,9 +78,6 @@ class Fidelity:
         ValueError
             If no measured setting is within it.
         """
-        # the front is made of this class
-        from softhand_sim.fidelity.front import shipped_front  # noqa: PLC0415
-
         if not effects_too:
             return shipped_front().for_tolerance(tolerance)
         half = Tolerance(angle_deg=0.5 * tolerance.angle_deg, slip_m=0.5 * tolerance.slip_m)
@@ -159,3 +137,14 @@ iterations alone, and 6 with those at 1 ms."""
 
 FINEST = Fidelity(timestep_s=0.25e-3, noslip_iterations=10)
 """What errors are measured against. Choice: an eighth of the default time step; half of it is the error bar."""
+
+
+@cache
+def shipped_front() -> Front[Fidelity]:
+    """Return the shipped front, ``assets/accuracy/front.json``."""
+    return load_front(asset_path("accuracy", "front.json"))
+
+
+def load_front(path: Path) -> Front[Fidelity]:
+    """Read and check a front of fidelities; raises as `read_front`."""
+    return read_front(path, lambda data, measured: replace(Fidelity.from_data(data), measured=measured))

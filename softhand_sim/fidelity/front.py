@@ -1,17 +1,15 @@
 """The measured front: what each setting misses and costs, read from a file; the cheapest one for a tolerance."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from functools import cache
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
 
-from assets import asset_path
 from softhand_sim.calibration.fields import Fields, read_fields
+from softhand_sim.checks import require_finite
 from softhand_sim.effects.scene import Tolerance
-from softhand_sim.fidelity.fidelity import Fidelity, Measured
 
 SCHEMA, SCHEMA_VERSION = "softhand-sim/accuracy-front", 1
 SHARE = 0.97
@@ -19,8 +17,42 @@ SHARE = 0.97
 
 
 @dataclass(frozen=True, kw_only=True)
-class Front:
-    """Points that may be chosen, each a `Fidelity` with its `Measured`, in the file's order.
+class Measured:
+    """What the front's measurement says of a setting.
+
+    Attributes
+    ----------
+    name: the point's.
+    angle_error_deg, slip_error_m: within which the scenes of the measurement were, but for 3 %, of the finest setting.
+    cost_ratio: processor time for a simulated second over that of the bare engine at the default setting.
+    """
+
+    name: str
+    angle_error_deg: float
+    slip_error_m: float
+    cost_ratio: float
+
+    def __post_init__(self) -> None:
+        require_finite("angle_error_deg", self.angle_error_deg, at_least=0.0)
+        require_finite("slip_error_m", self.slip_error_m, at_least=0.0)
+        require_finite("cost_ratio", self.cost_ratio, above=0.0)
+
+
+class Setting(Protocol):
+    """What a front is made of: any setting that knows what was measured of it."""
+
+    @property
+    def measured(self) -> Measured | None:
+        """What was measured of it, None if nothing was."""
+        ...
+
+
+Chosen = TypeVar("Chosen", bound=Setting)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Front(Generic[Chosen]):
+    """Settings that may be chosen, each with its `Measured`, in the file's order.
 
     Raises
     ------
@@ -28,14 +60,14 @@ class Front:
         If there is none, or two have one name.
     """
 
-    points: tuple[Fidelity, ...]
+    points: tuple[Chosen, ...]
 
     def __post_init__(self) -> None:
         names = [point.measured.name for point in self.points if point.measured is not None]
         if not names or len(names) != len(self.points) or len(set(names)) != len(names):
             raise ValueError(f"points: {names} must be one or more measured ones of different names")
 
-    def for_tolerance(self, tolerance: Tolerance) -> Fidelity:
+    def for_tolerance(self, tolerance: Tolerance) -> Chosen:
         """Return the cheapest point within a tolerance: a wider one has all the choices of a narrower one.
 
         Raises
@@ -57,7 +89,7 @@ class Front:
             )
         return min(within, key=lambda pair: pair[0])[1]
 
-    def _measured(self) -> list[tuple[Fidelity, Measured]]:
+    def _measured(self) -> list[tuple[Chosen, Measured]]:
         return [(point, point.measured) for point in self.points if point.measured is not None]
 
 
@@ -75,14 +107,13 @@ def non_dominated(errors: Sequence[float], costs: Sequence[float]) -> tuple[int,
     return tuple(found)
 
 
-@cache
-def shipped_front() -> Front:
-    """Return the shipped front, ``assets/accuracy/front.json``."""
-    return load_front(asset_path("accuracy", "front.json"))
-
-
-def load_front(path: Path) -> Front:
+def read_front(path: Path, build: Callable[[dict[str, Any], Measured], Chosen]) -> Front[Chosen]:
     """Read and check a front; points with other shapes or links are left out, they are other models.
+
+    Parameters
+    ----------
+    path: of the file.
+    build: makes a setting of its plain fields and what was measured of it.
 
     Raises
     ------
@@ -99,16 +130,17 @@ def load_front(path: Path) -> Front:
     if not isinstance(rows, list) or not rows:
         raise root.error("points", rows, "a list of one point or more")
     with root.naming_file():
-        points = tuple(_point(row) for row in root.objects("points", len(rows)) if row.text("kind") == "numerics")
+        points = tuple(
+            _point(row, build) for row in root.objects("points", len(rows)) if row.text("kind") == "numerics"
+        )
         return Front(points=points)
 
 
-def _point(row: Fields) -> Fidelity:
+def _point(row: Fields, build: Callable[[dict[str, Any], Measured], Chosen]) -> Chosen:
     measured = Measured(
         name=row.text("name"),
         angle_error_deg=float(row.numbers("angle_error_deg", ())),
         slip_error_m=float(row.numbers("slip_error_m", ())),
         cost_ratio=float(row.numbers("cost_ratio", ())),
     )
-    given: dict[str, Any] = row.object("fidelity").raw
-    return replace(Fidelity.from_data(given), measured=measured)
+    return build(row.object("fidelity").raw, measured)

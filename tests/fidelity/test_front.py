@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from softhand_sim.effects.scene import Tolerance
-from softhand_sim.fidelity.fidelity import Fidelity, Measured
-from softhand_sim.fidelity.front import Front, load_front, non_dominated, share_within
+from softhand_sim.fidelity.fidelity import Fidelity, load_front
+from softhand_sim.fidelity.front import Front, Measured, non_dominated, share_within
 
 
 def _front(rows):

@@ -10,8 +10,7 @@ import envs  # noqa: F401 - registers the environments
 from envs.config import EnvConfig
 from scripts import grasp_benchmark
 from softhand_sim.effects.scene import Tolerance
-from softhand_sim.fidelity.fidelity import Fidelity
-from softhand_sim.fidelity.front import shipped_front
+from softhand_sim.fidelity.fidelity import Fidelity, shipped_front
 from softhand_sim.fidelity.points import FINEST_NAME, NUMERICS
 from softhand_sim.hand.scene import EngineSettings
 

@@ -7,8 +7,8 @@ import pytest
 
 from scripts import _accuracy_finger, _accuracy_growth, _accuracy_honour, _accuracy_page, accuracy_fea, accuracy_vs_time
 from softhand_sim.effects.scene import Tolerance
-from softhand_sim.fidelity.fidelity import FINEST, Fidelity, Measured
-from softhand_sim.fidelity.front import Front
+from softhand_sim.fidelity.fidelity import FINEST, Fidelity
+from softhand_sim.fidelity.front import Front, Measured
 
 
 def test_a_finite_element_rung_goes_on_and_lends_its_steps_to_the_blocked_one(tmp_path, monkeypatch):
