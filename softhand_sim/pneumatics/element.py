@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass, field
 
 from softhand_sim.air import AMBIENT_PA_ABS
-from softhand_sim.checks import require_finite
+from softhand_sim.checks import require_finite, require_in
 from softhand_sim.pneumatics.balance import Link, solve_pressure
 from softhand_sim.pneumatics.chamber import Chamber
 from softhand_sim.pneumatics.orifice import Orifice
@@ -14,6 +14,8 @@ from softhand_sim.pneumatics.tube import Tubing, tube_volume_m3
 # For accuracy, not stability: parts of at most 4 % of the emptying time constant keep the first-order error
 # under 2 %. The default element takes a 20 ms step in one part.
 LARGEST_PART = 0.04
+_LARGEST_M3, _LARGEST_M3_PER_PA = 1e3, 1e-2
+"""Choices: a hall, and what bulges to one at 100 kPa; far beyond, flow is less than the rounding of the gas there."""
 MOST_PARTS = 10
 
 
@@ -47,7 +49,7 @@ class Element:
     Raises
     ------
     ValueError
-        If the dead volume is negative, or does not hold the tubes, or the supply is below ambient.
+        If the dead volume is negative or beyond 1000 m3, or does not hold the tubes, or the supply is below ambient.
     """
 
     inlet: Orifice = field(default_factory=Orifice)
@@ -64,8 +66,8 @@ class Element:
     _bulged: float = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        require_finite("dead_volume_m3", self.dead_volume_m3, at_least=0.0)
-        require_finite("compliance_m3_per_pa", self.compliance_m3_per_pa, at_least=0.0)
+        require_in("dead_volume_m3", self.dead_volume_m3, 0.0, _LARGEST_M3)
+        require_in("compliance_m3_per_pa", self.compliance_m3_per_pa, 0.0, _LARGEST_M3_PER_PA)
         require_finite("ambient_pa_abs", self.ambient_pa_abs, above=0.0)
         require_finite("supply_pa_abs", self.supply_pa_abs, at_least=self.ambient_pa_abs)
         if self.tubing is not None and self.dead_volume_m3 < self.tubing.volume_m3(1):

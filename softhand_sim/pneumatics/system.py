@@ -26,8 +26,9 @@ Values = Sequence[float] | npt.NDArray[np.float64]
 
 LONGEST_STEP_S = 3600.0
 """Choice: a step is split at every tick, so that 1e300 s would never end."""
-SMALLEST_VOLUME_M3 = 1e-15
-"""Choice: a hundredth of a millimetre cubed; in 1e-300 m3 a step's rounding is more than all the gas."""
+SMALLEST_VOLUME_M3, LARGEST_VOLUME_M3 = 1e-15, 1e3
+"""Choices: a hundredth of a millimetre cubed, and a hall; in 1e-300 m3 a step's rounding is more than all the gas, in
+1e300 m3 what flows in is less than the rounding of what is there."""
 _TIME_TOLERANCE_S = 1e-9  # an event this close to a step's end belongs to the next step; far below any step
 
 
@@ -252,8 +253,9 @@ def _later(state: PneumaticState, dt: float) -> PneumaticState:
 def _checked_volumes(volumes_m3: Values) -> Sequence[float]:
     """Return the chamber volumes [m3] per finger (5,)."""
     fingers: Sequence[float] = volumes_m3.tolist() if isinstance(volumes_m3, np.ndarray) else volumes_m3
-    if not (len(fingers) == len(FINGERS) and min(fingers) > SMALLEST_VOLUME_M3 and sum(fingers) < math.inf):
+    if not (len(fingers) == len(FINGERS) and min(fingers) > SMALLEST_VOLUME_M3 and sum(fingers) <= LARGEST_VOLUME_M3):
         raise ValueError(
-            f"volumes_m3 = {list(fingers)}: must be {len(FINGERS)} finite numbers > 0, and > {SMALLEST_VOLUME_M3:g}"
+            f"volumes_m3 = {list(fingers)}: must be {len(FINGERS)} finite numbers > {SMALLEST_VOLUME_M3:g}, "
+            f"together <= {LARGEST_VOLUME_M3:g}"
         )
     return fingers
