@@ -4,11 +4,16 @@ Hypothesis draws the examples, some with numbers outside their spans, NaN and in
 fails to the simplest example that still does. That is written as a replay file.
 """
 
+import sys
 from collections import Counter
 from collections.abc import Sequence
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
+
+if sys.path and Path(sys.path[0]).resolve() == Path(__file__).resolve().parent:
+    # run as a file: here "fea" is the script beside this one, not the package
+    sys.path[0] = str(Path(__file__).resolve().parents[1])
 
 from tqdm import tqdm
 
