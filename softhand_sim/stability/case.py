@@ -60,6 +60,15 @@ class HardCase:
     run: Callable[[float], Finding]
 
 
+def scene_cases(*rows: tuple[str, str, str, Callable[[float], Finding]]) -> dict[str, HardCase]:
+    """Return cases of scenes by name, from name, what makes each hard, what is right, and its run."""
+    stability = "finite, no warning of the engine, no energy from nowhere"
+    return {
+        name: HardCase(name=name, hard=hard, stability=stability, correctness=right, run=run)
+        for name, hard, right, run in rows
+    }
+
+
 def judged(
     criterion: str,
     figure: float,

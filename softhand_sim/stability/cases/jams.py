@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from softhand_sim.hand.finger import PAD_RADIUS_M
-from softhand_sim.stability.case import Finding, HardCase
+from softhand_sim.stability.case import Finding, scene_cases
 from softhand_sim.stability.scene_runs import World, ball, box, stiffened
 
 HIGH = (0.0, 0.0, 0.3, 0.0, 0.0, 0.0)
@@ -68,29 +68,20 @@ def bead(timestep_s: float) -> Finding:
     return world.finding("deepest contact anywhere [m], <= 0.005", world.deepest_m, 5e-3)
 
 
-KINDS = {
-    name: HardCase(
-        name=name,
-        hard=hard,
-        stability="finite, no warning of the engine, no energy from nowhere",
-        correctness=right,
-        run=run,
-    )
-    for name, hard, right, run in (
-        (
-            "object spawned 5 mm inside a finger",
-            "starts where it cannot be",
-            "leaves no faster than it falls",
-            spawned_inside,
-        ),
-        ("fingers jammed against each other", "ten times too soft, 75 kPa", "depth below 5 mm", jammed_fingers),
-        (
-            "fingers closed over a ball in the palm",
-            "contacts of fingers, ball, palm",
-            "depth below 5 mm",
-            crossed_fingers,
-        ),
-        ("object wedged between palm and table", "50 N of servo on 40 g", "depth below 5 mm", wedged),
-        ("mass ratio of 10,000", "bead of 1.3 mg under the fingers", "depth below 5 mm", bead),
-    )
-}
+KINDS = scene_cases(
+    (
+        "object spawned 5 mm inside a finger",
+        "starts where it cannot be",
+        "leaves no faster than it falls",
+        spawned_inside,
+    ),
+    ("fingers jammed against each other", "ten times too soft, 75 kPa", "depth below 5 mm", jammed_fingers),
+    (
+        "fingers closed over a ball in the palm",
+        "contacts of fingers, ball, palm",
+        "depth below 5 mm",
+        crossed_fingers,
+    ),
+    ("object wedged between palm and table", "50 N of servo on 40 g", "depth below 5 mm", wedged),
+    ("mass ratio of 10,000", "bead of 1.3 mg under the fingers", "depth below 5 mm", bead),
+)

@@ -9,7 +9,7 @@ from softhand_sim.guards.limits import Guards
 from softhand_sim.hand.anatomy import HandAnatomy
 from softhand_sim.hand.scene import EngineSettings
 from softhand_sim.objects.catalogue import make_object
-from softhand_sim.stability.case import Finding, HardCase, judged, refused
+from softhand_sim.stability.case import Finding, judged, refused, scene_cases
 from softhand_sim.stability.scene_runs import REFERENCE_STEP_S, TYPED, World, ball, trial
 
 HIGH = (0.0, 0.0, 0.4, 0.0, 0.0, 0.0)
@@ -153,39 +153,30 @@ def long_hold(timestep_s: float) -> Finding:
     return world.finding("creep [m/s], <= 0.001", world.recorder.creep_m_per_s(), 1e-3)
 
 
-KINDS = {
-    name: HardCase(
-        name=name,
-        hard=hard,
-        stability="finite, no warning of the engine, no energy from nowhere",
-        correctness=right,
-        run=run,
-    )
-    for name, hard, right, run in (
-        (
-            "wrist at 1 m/s and a sudden stop",
-            "ten times the wrist's speed, stopped in a step",
-            "swing as at 0.5 ms",
-            sudden_stop,
-        ),
-        (
-            "75 kPa at once and back, ten times",
-            "no gas between command and finger",
-            "straight at the end",
-            pressure_at_once,
-        ),
-        ("ball dropped onto an open hand", "impact, then nothing drives it", "energy never grows", left_alone),
-        ("time step of 20 ms in the settings", "four times the largest", "refused by name", coarse_step_refused),
-        (
-            "time step of 20 ms in the model",
-            "written behind the settings' back",
-            "told or typed",
-            coarse_step_in_the_model,
-        ),
-        ("NaN as a set pressure", "no number", "refused by name", no_number_as_pressure),
-        ("NaN as a set pressure without gas", "the engine takes zero instead", "typed", no_number_as_ideal_pressure),
-        ("NaN as the wrist's target", "the engine takes zero instead", "typed", no_number_as_wrist),
-        ("140 kPa asked of a finger", "calibrated to 80", "typed", far_too_much_pressure),
-        ("hold of 20 s", "soft contacts creep by design", "creep below 1 mm/s", long_hold),
-    )
-}
+KINDS = scene_cases(
+    (
+        "wrist at 1 m/s and a sudden stop",
+        "ten times the wrist's speed, stopped in a step",
+        "swing as at 0.5 ms",
+        sudden_stop,
+    ),
+    (
+        "75 kPa at once and back, ten times",
+        "no gas between command and finger",
+        "straight at the end",
+        pressure_at_once,
+    ),
+    ("ball dropped onto an open hand", "impact, then nothing drives it", "energy never grows", left_alone),
+    ("time step of 20 ms in the settings", "four times the largest", "refused by name", coarse_step_refused),
+    (
+        "time step of 20 ms in the model",
+        "written behind the settings' back",
+        "told or typed",
+        coarse_step_in_the_model,
+    ),
+    ("NaN as a set pressure", "no number", "refused by name", no_number_as_pressure),
+    ("NaN as a set pressure without gas", "the engine takes zero instead", "typed", no_number_as_ideal_pressure),
+    ("NaN as the wrist's target", "the engine takes zero instead", "typed", no_number_as_wrist),
+    ("140 kPa asked of a finger", "calibrated to 80", "typed", far_too_much_pressure),
+    ("hold of 20 s", "soft contacts creep by design", "creep below 1 mm/s", long_hold),
+)
