@@ -14,7 +14,7 @@ from envs.errors import BadOptionError
 from envs.observations import Layout
 from envs.options import OPTIONS, fixed
 from envs.task import Task
-from envs.world import World, WorldCache
+from envs.world import World, WorldPool
 from softhand_sim.fidelity.fidelity import Fidelity
 from softhand_sim.grasp.place import place_object
 from softhand_sim.hand.hand import HINGE_RANGE_RAD, SLIDE_RANGE_M
@@ -71,7 +71,7 @@ class EpisodeSpec:
 class Episode:
     """The episodes of one world at a time; `reset`, then `command`, `advance`, `observe` and `judge`, in turns."""
 
-    def __init__(self, spec: EpisodeSpec, worlds: WorldCache, task: Task) -> None:
+    def __init__(self, spec: EpisodeSpec, worlds: WorldPool, task: Task) -> None:
         self.spec = spec
         self.task = task
         self.worlds = worlds
@@ -130,7 +130,7 @@ class Episode:
     def enter(self, draw: Draw) -> None:
         """Go to the world of a draw."""
         self.draw = draw
-        self.world = self.worlds.get(draw)
+        self.world = self.worlds.exchange(self.world, draw)
         self._mass_and_friction = (self.world.mass_kg(draw), self.world.friction(draw))
 
     def command(self, action: npt.ArrayLike) -> None:

@@ -29,7 +29,7 @@ from softhand_sim.simulation import HandSimulation
 Vector = npt.NDArray[np.float64]
 
 MOST_SCENES = 64
-"""Choice: a compiled scene takes about 2 MB; all objects of the catalogue with one finger fit in."""
+"""Compiled scenes, and idle worlds, that are kept. Choice: all objects of the catalogue with one finger fit in."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -168,21 +168,29 @@ class Scenes:
         return build_scene(calibration, engine=s.engine, add_object=add_object).model, effects
 
 
-class WorldCache:
-    """The worlds of one environment, kept while they are among the latest."""
+class WorldPool:
+    """Worlds of environments that share scenes: each belongs to one episode at a time, the latest idle ones are kept.
+
+    A draw and a reset leave nothing of the episode before, so it does not matter whose a world was.
+    """
 
     def __init__(self, scenes: Scenes) -> None:
         self._scenes = scenes
-        self._worlds: OrderedDict[tuple[int, int], World] = OrderedDict()
+        self._idle: list[World] = []
 
-    def get(self, draw: Draw) -> World:
-        """Return the world of a draw, with the draw taken over."""
+    def exchange(self, left: World | None, draw: Draw) -> World:
+        """Take back the world that an episode leaves, and return one for its draw, with the draw taken over."""
         index = (draw.object, draw.calibration)
-        world = self._worlds.pop(index, None) or self._scenes.world(index)
-        self._worlds[index] = world
-        if len(self._worlds) > MOST_SCENES:
-            self._worlds.popitem(last=False)
+        if left is not None and left.index == index:
+            left.apply(draw)
+            return left
+        k = next((k for k, idle in enumerate(self._idle) if idle.index == index), None)
+        world = self._scenes.world(index) if k is None else self._idle.pop(k)
         world.apply(draw)
+        # last: whatever fails, the episode keeps a world of its own
+        if left is not None:
+            self._idle.append(left)
+            del self._idle[:-MOST_SCENES]
         return world
 
 
