@@ -57,6 +57,16 @@ class ContactMap:
         deepest = depth.max(initial=0.0, where=(kinds == _ELSEWHERE) | (kinds == _IN_HAND))
         return float(deepest), float(depth[crossing].max()) if crossing.any() else None
 
+    def deeper_m(self, data: mujoco.MjData, limit_m: float) -> float:
+        """Return the deepest contact of `depths_m` if any contact at all is deeper than a limit, else 0.
+
+        A quick question where that is rare: `depths_m` takes five times as long.
+        """
+        if not data.ncon or data.contact.dist.min() >= -limit_m:
+            return 0.0
+        depth, crossing = self.depths_m(data)
+        return max(depth, crossing or 0.0)
+
     def hand_geom(self, data: mujoco.MjData, contact: int) -> int:
         """Return the hand's geometry in a contact with the object."""
         first, second = data.contact.geom[contact]
