@@ -66,9 +66,10 @@ class SoftHandReorientEnv(SoftHandEnv):
     ## Start and randomisation
 
     The palm stands at rest 28 mm behind the place of the object and 100 mm (or the object's height and 30 mm) above the
-    table, or farther forward in steps of 1 mm where a finger would overlap the displaced object. The target is even within 15 degrees either way, but at least 6 degrees from the start. By default the object
-    lies up to 4 mm and 3 degrees off its place; the rest is as in `envs.grasp.SoftHandGraspEnv`, with the options of
-    ``reset`` given there, and ``target_yaw_rad`` in place of a goal's position.
+    table, or farther forward in steps of 1 mm where a finger would overlap the displaced object. The target is even
+    within 15 degrees either way, but at least 6 degrees from the start. By default the object lies up to 4 mm and
+    3 degrees off its place; the rest is as in `envs.grasp.SoftHandGraspEnv`, with the options of ``reset`` given there,
+    and ``target_yaw_rad`` in place of a goal's position.
 
     ## Arguments
 

@@ -29,7 +29,7 @@ OUT_OF_REACH_M = 0.10
 # clear of the thumb; a palm at 100 mm keeps the tips of straight fingers 10 mm above the table
 BEFORE_PALM_M, PALM_HEIGHT_M, CLEARANCE_M = 0.028, 0.100, 0.030
 CLEAR_STEP_M, FARTHEST_M = 0.001, 0.05
-"""Choices: a finger that overlaps the bar at the start would throw it; the bar's ends stay within the fingers' reach."""
+"""Choices: what overlaps at the start is thrown; a bar that is turned by the largest yaw of all is cleared sooner."""
 
 
 def foam_bar() -> ObjectModel:

@@ -57,7 +57,7 @@ class Task(Protocol):
         ...
 
     def stand_clear(self, world: World) -> None:
-        """Back the hand off, where it stands at the start of an episode, as long as it overlaps the displaced object."""
+        """Back the hand off from its start as long as it overlaps the displaced object."""
         ...
 
     def wrist_script(self, time_s: float) -> Vector:
