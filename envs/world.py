@@ -19,7 +19,7 @@ from softhand_sim.effects.auto import choose
 from softhand_sim.effects.build import apply_to_contacts, apply_to_model, build_losses, build_pneumatics
 from softhand_sim.effects.scene import SceneFacts, Tolerance
 from softhand_sim.elements import FINGERS
-from softhand_sim.grasp.contacts import ContactMap
+from softhand_sim.grasp.contacts import IN_HAND, PALM, ContactMap
 from softhand_sim.hand.anatomy import HandAnatomy
 from softhand_sim.hand.scene import EngineSettings, build_scene
 from softhand_sim.objects.mjcf import attach_object
@@ -30,6 +30,10 @@ Vector = npt.NDArray[np.float64]
 
 MOST_SCENES = 64
 """Compiled scenes, and idle worlds, that are kept. Choice: all objects of the catalogue with one finger fit in."""
+_TOUCHING: npt.NDArray[np.bool_] = np.array(
+    [[mask >> k & 1 for k in range(PALM + 1)] for mask in range(2 << PALM)], dtype=bool
+)
+_TOUCHING.flags.writeable = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,6 +82,9 @@ class World:
         self.grasp_site = int(self.model.site("grasp").id)
         self.object_qpos = int(self.model.joint("object_joint").qposadr[0])
         self.contacts = ContactMap.of(self.model)
+        # one look-up for all contacts: a bit for the finger, or the palm, in a contact of hand and object
+        members = np.maximum(self.contacts.member[:, None], self.contacts.member)
+        self._touch = np.where(self.contacts.kind == IN_HAND, 1 << np.maximum(members, 0), 0)
         self._geoms = np.flatnonzero((self.model.geom_bodyid == self.body) & (self.model.geom_contype != 0))
         mine = np.isin(self.model.pair_geom1, self._geoms) | np.isin(self.model.pair_geom2, self._geoms)
         self._pairs = np.flatnonzero(mine)
@@ -127,14 +134,12 @@ class World:
             self._drawn = self._gas_of(draw)
 
     def touching(self) -> npt.NDArray[np.bool_]:
-        """Whether each finger and the palm touch the object, (6,)."""
-        touched = np.zeros(6, dtype=bool)
-        data = self.simulation.data
+        """Whether each finger and the palm touch the object, (6,), read-only."""
+        data, found = self.simulation.data, 0
         if data.ncon:
-            pair = self.contacts.member[data.contact.geom]
-            hand = pair[(pair == -2).any(axis=1)].max(axis=1)
-            touched[hand[hand >= 0]] = True
-        return touched
+            first, second = data.contact.geom.T
+            found = int(np.bitwise_or.reduce(self._touch[first, second]))
+        return np.asarray(_TOUCHING[found])
 
 
 class Scenes:
