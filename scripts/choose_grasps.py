@@ -7,7 +7,7 @@ import argparse
 import multiprocessing
 import time
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import replace
 from functools import partial
 from hashlib import sha256
@@ -75,8 +75,24 @@ def _job(argv: Sequence[str] | None) -> int:
     beside = [load_grasps(file).grasps for file in args.beside]
     choose = partial(_chosen, calibration=calibration, args=args, beside=beside)
     context = multiprocessing.get_context("spawn")
+    chosen: dict[str, tuple[ProvenGrasp, float]] = {}
     with ProcessPoolExecutor(args.workers, mp_context=context) as pool:
-        chosen = dict(zip(names, tqdm(pool.map(choose, names), total=len(names), unit="object"), strict=True))
+        jobs = {pool.submit(choose, name): name for name in names}
+        for job in tqdm(as_completed(jobs), total=len(names), unit="object"):
+            chosen[jobs[job]] = job.result()
+            tqdm.write(_told(jobs[job], *job.result()))
+            # a killed run leaves the objects that are done
+            _write(args, calibration, {name: chosen[name] for name in names if name in chosen})
+    print(args.out)
+    return 0
+
+
+def _told(name: str, grasp: ProvenGrasp, cpu_s: float) -> str:
+    held = f"held of {TRIALS}: {grasp.found_held} found, {grasp.scripted_held} scripted"
+    return f"{name:<20} closings {grasp.kept.closings}  trials {grasp.trials}  {cpu_s:.0f} s of processor  {held}"
+
+
+def _write(args: argparse.Namespace, calibration: Path, chosen: Mapping[str, tuple[ProvenGrasp, float]]) -> None:
     file = GraspFile(
         grasps={name: grasp.kept for name, (grasp, _) in chosen.items()},
         hand_sha256=hand_sha256(HandAnatomy()),
@@ -84,14 +100,9 @@ def _job(argv: Sequence[str] | None) -> int:
         command=_command(args),
     )
     write_grasps(args.out, file)
-    for name, (grasp, cpu_s) in chosen.items():
-        held = f"held of {TRIALS}: {grasp.found_held} found, {grasp.scripted_held} scripted"
-        print(f"{name:<20} closings {grasp.kept.closings}  trials {grasp.trials}  {cpu_s:.0f} s of processor  {held}")
-    print(args.out)
     if args.json is not None:
         rows = {name: _row(*one) for name, one in chosen.items()}
         _cli.write_json(args.json, {"objects": rows, "seed": args.seed, "search": args.search, "trials": TRIALS})
-    return 0
 
 
 def _command(args: argparse.Namespace) -> str:

@@ -9,7 +9,7 @@ from softhand_sim.calibration import FingerCalibration
 from softhand_sim.grasp.choice.grasp_file import KeptGrasp, rounded
 from softhand_sim.grasp.plan import GraspPlan
 from softhand_sim.grasp.protocol import GraspProtocol
-from softhand_sim.grasp.refine import TriedGrasp, refined
+from softhand_sim.grasp.refine import PARENTS, TriedGrasp, refined
 from softhand_sim.grasp.scripted import plan_grasp
 from softhand_sim.grasp.trial import TrialSetup, prepare, run_trial
 from softhand_sim.grasp.verdict import Outcome
@@ -31,7 +31,8 @@ class ProvenGrasp:
     Attributes
     ----------
     kept: the grasp.
-    found_held, scripted_held: trials held by the best grasp that was found, and by the scripted one.
+    found_held, scripted_held: trials held by the best grasp that was found (with `refine`, of trials that no variation
+        was chosen by), and by the scripted one.
     trials: full trials that the choice took.
     """
 
@@ -54,8 +55,9 @@ def proven(
 
     Closings have no noise of the sensors, no friction in the fingers and a larger time step; scores that are close say
     little about trials. Those of several found grasps that hold most of `HEATS` trials get all of them. With `refine`,
-    that many more trials go to variations of the best (`softhand_sim.grasp.refine`); who is best then, `TRIALS` others
-    decide, since among many that were tried in the same trials some are lucky in them. Of equals the first one is kept.
+    that many more trials go to variations of the best (`softhand_sim.grasp.refine`), in twice as many trials each;
+    `TRIALS` others count as well then, since among many that were tried in the same trials some are lucky in them. Of
+    equals the first one is kept.
 
     Parameters
     ----------
@@ -76,26 +78,35 @@ def proven(
     if scripted is None:
         kept = KeptGrasp(plan=plan, closings=found[0].closings)
         scripted = TriedGrasp(kept=kept, lost=course.lost(plan, range(TRIALS)))
-    if refine and tried[0].lost and scripted.lost:
-        tried = _refined([*tried, scripted], course, refine, np.random.default_rng([seed, _STREAM]))
-    kept = scripted.kept if len(scripted.lost) < len(tried[0].lost) else tried[0].kept
-    held = [TRIALS - len(one.lost) for one in (tried[0], scripted)]
-    return ProvenGrasp(kept=kept, found_held=held[0], scripted_held=held[1], trials=course.spent)
+    first = scripted if len(scripted.lost) < len(tried[0].lost) else tried[0]
+    kept, held = first.kept, TRIALS - len(tried[0].lost)
+    if refine and len(first.lost) < TRIALS:
+        every = sorted([first, *tried], key=lambda one: len(one.lost))
+        kept, held = _refined(
+            list(dict.fromkeys(every))[:PARENTS], course, refine, np.random.default_rng([seed, _STREAM])
+        )
+    return ProvenGrasp(kept=kept, found_held=held, scripted_held=TRIALS - len(scripted.lost), trials=course.spent)
 
 
-def _refined(tried: list[TriedGrasp], course: "_Course", budget: int, rng: np.random.Generator) -> list[TriedGrasp]:
-    """Vary the best, then let all of these, and the best so far, decide by other trials; return the best of all."""
-    first = min(tried, key=lambda one: len(one.lost))
-    if len(first.lost) == TRIALS:
-        return [first]
-    varied = refined(
-        tried, lambda plan, k: not course.lost(plan, range(k, k + 1)), trials=TRIALS, budget=budget, rng=rng
-    )
-    others = range(TRIALS, 2 * TRIALS)
-    rivals = [first, *(one for one in varied if one is not first)]
-    again = [course.lost(one.kept.plan, others) for one in rivals]
-    best = min(range(len(rivals)), key=lambda k: len(rivals[k].lost) + len(again[k]))
-    return [TriedGrasp(kept=rivals[best].kept, lost=again[best])]
+def _refined(
+    tried: list[TriedGrasp], course: "_Course", budget: int, rng: np.random.Generator
+) -> tuple[KeptGrasp, int]:
+    """Vary grasps in twice `TRIALS`; return the best of all, and how many of `TRIALS` others it holds.
+
+    Those that lose none in `TRIALS` may still lose one in ten.
+    """
+    more, others = range(TRIALS, 2 * TRIALS), range(2 * TRIALS, 3 * TRIALS)
+    before = [TriedGrasp(kept=one.kept, lost=one.lost + course.lost(one.kept.plan, more)) for one in tried]
+    before.sort(key=lambda one: len(one.lost))
+
+    def holds(plan: GraspPlan, trial: int) -> bool:
+        return not course.lost(plan, range(trial, trial + 1))
+
+    after = refined(before, holds, trials=2 * TRIALS, budget=budget, rng=rng)
+    rivals = list(dict.fromkeys([before[0], *after]))
+    again = [len(course.lost(one.kept.plan, others)) for one in rivals]
+    best = min(range(len(rivals)), key=lambda k: len(rivals[k].lost) + again[k])
+    return rivals[best].kept, TRIALS - again[best]
 
 
 @dataclass(kw_only=True)

@@ -77,9 +77,9 @@ def test_a_refined_grasp_is_kept_only_if_other_trials_agree(monkeypatch, calibra
     x, y, z, *turn = elsewhere.plan.wrist_pose
     lucky = replace(elsewhere, plan=replace(elsewhere.plan, wrist_pose=(x + 0.01, y, z, *turn)))
     monkeypatch.setattr(proof, "refined", lambda *_, **__: [TriedGrasp(kept=lucky, lost=())])
-    for later, kept in ((1, lucky), (4, elsewhere)):
+    for later, kept in ((0, lucky), (4, elsewhere)):
         losses = {elsewhere.plan: 1, lucky.plan: later}
         monkeypatch.setattr(proof, "lost_trials", lambda setup, t: tuple(t)[: losses.get(setup.plan, 4)])  # noqa: B023
         result = proven([elsewhere], BALL, calibration, load_protocol(), refine=8)
         assert result.kept is kept
-        assert result.trials == 4 + 4 + 2 * 4
+        assert result.trials == 4 + 4 + 4 + 2 * 4
