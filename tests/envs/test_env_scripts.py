@@ -9,18 +9,18 @@ from scripts import benchmark_env, random_steps
 
 def test_random_steps_count_and_watch_memory(tmp_path, monkeypatch, capsys):
     cases = list(random_steps._cases(("apple",)))
-    assert len(cases) == 36
-    assert len({json.dumps(case) for case in cases}) == 36
-    monkeypatch.setattr(random_steps, "_cases", lambda _: [cases[0], cases[31]])
+    assert len(cases) == 40
+    assert len({json.dumps(case) for case in cases}) == 40
+    monkeypatch.setattr(random_steps, "_cases", lambda _: [cases[0], cases[31], cases[37]])
     monkeypatch.setattr(random_steps, "EPISODE_STEPS", 20)
     out = tmp_path / "random.json"
-    assert random_steps.main(["--steps", "200", "--objects", "apple", "--json", str(out)]) == 0
+    assert random_steps.main(["--steps", "300", "--objects", "apple", "--json", str(out)]) == 0
     data = json.loads(out.read_text())
-    assert data["steps"] == 200
+    assert data["steps"] == 2 * (50 + 50 + 52)
     assert data["counts"]["episodes"] >= 8
-    assert data["counts"]["diverged"] == 0
+    assert data["counts"]["NO ALARM"] == data["counts"]["episodes"]
     assert data["resident_bytes_last"] > 50 << 20
-    assert "200 steps in 2 cases" in capsys.readouterr().out
+    assert "304 steps in 3 cases" in capsys.readouterr().out
 
 
 @pytest.mark.filterwarnings("ignore:.*observation space")
