@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from softhand_sim.calibration import JOINT_RANGE_RAD
-from softhand_sim.grasp.choice.closing import LAST_LOAD, SHORTEST_LIFT_M, lift_of
+from softhand_sim.grasp.choice import closing as module
+from softhand_sim.grasp.choice.closing import LOADS, SHORTEST_LIFT_M, lift_of
 from softhand_sim.grasp.choice.search import closing_of
 from softhand_sim.grasp.plan import GraspPlan
 from softhand_sim.grasp.protocol_file import load_protocol
@@ -27,7 +28,7 @@ def test_an_apple_is_held_with_margin_beside_its_place_too_and_again_to_the_bit(
     apple = make_object("apple")
     offsets = [HERE, (0.003, -0.005, -0.16)]
     first = closing(apple, calibration).load_factors([plan_grasp(apple)], offsets)
-    assert first == pytest.approx(np.full((1, 2), LAST_LOAD))
+    assert first == pytest.approx(np.full((1, 2), LOADS[-1]))
     assert np.array_equal(first, closing(apple, calibration).load_factors([plan_grasp(apple)], offsets))
 
 
@@ -86,3 +87,14 @@ def test_a_joint_that_rests_on_its_stop_is_told_from_one_that_touches_it(calibra
     states[1, :10, proximal] = JOINT_RANGE_RAD[0] - 0.01
     states[2, :, proximal] = JOINT_RANGE_RAD[0] + 0.01
     assert ball._on_a_stop(states, hand).tolist() == [True, False, False]
+
+
+def test_each_load_is_lifted_from_the_closed_hand_not_added_to_what_came_up_with_less(calibration):
+    """A hold at full weight doesn't depend on lighter lifts before it: alone it gives the same verdict."""
+    apple = make_object("apple")
+    for mass_kg in (0.068, 0.5):
+        ball = closing(apple.with_overrides(mass_kg=mass_kg), calibration)
+        ladder = ball.load_factors([plan_grasp(apple)], [HERE])[0, 0]
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(module, "LOADS", (1.0,))
+            assert (ball.load_factors([plan_grasp(apple)], [HERE])[0, 0] >= 1.0) == (ladder >= 1.0)

@@ -1,7 +1,8 @@
 """The cheap closing that grasp candidates are scored by: many worlds at once inside the engine, pressures played back.
 
 The hand comes in, closes and lifts until the object must be off the table, as in a trial, but nothing is fed back: the
-pressures are those of a closing in free air, and friction within the fingers is left out. Then the object's load grows.
+pressures are those of a closing in free air, and friction within the fingers is left out. What was lifted with some of
+its weight is lifted again with more, from the same closed hand.
 """
 
 from collections.abc import Sequence
@@ -40,11 +41,11 @@ _WORLDS_AT_ONCE = 32
 # choice: what the lift has to spare over the largest slip and tilt allowed, so that what stays on the table, with one
 # end or all of it, counts as lost. A banana that was lifted by 25 mm alone stood on its end and looked held
 SPARE_M, SHORTEST_LIFT_M = 0.005, 0.025
-# choice: the object comes off the table with most of its weight; then its load grows. A load that grows faster looks
-# held by what takes time to slip out: a mug that is lost in trials at its weight was lost here at 1.04 to 1.19 of it.
-# All of the weight at once tells trials no better apart, and leaves a search without a slope to climb
-FIRST_LOAD, LAST_LOAD = 0.6, 1.4
-LOADING_S = 0.8
+# choice: shares of the weight, each lifted from the same closed hand; the first ones give a search a slope to climb. A
+# load that grows in the hand tells trials less: a baseball that came up with 0.6 of its weight was then held to 1.2 of
+# it, and not once came up with all of it
+LOADS = (0.6, 0.8, 1.0, 1.2)
+DWELL_S = 0.5
 # choice: a hand that has to be pressed onto object or table with more than this does not count as having come in; it
 # would force a can between the fingers' bases with all the strength of the arm
 PRESS_N = 10.0
@@ -87,9 +88,10 @@ class Closing:
     def load_factors(self, plans: Sequence[GraspPlan], offsets: Sequence[Offset], haste: float = 1.0) -> Vector:
         """Return the load that each plan holds for each displacement of the object, shape (plans, offsets).
 
-        In shares of the object's weight: the load at which slip or tilt passes its limit, `LAST_LOAD` if neither does,
-        0 for a start in which the hand overlaps object or table, if it must be pressed to its pose, or if the stop of a
-        joint that is bent back carries the load.
+        In shares of the object's weight: the last of `LOADS` with which it was lifted, within the limits of slip and
+        tilt, and of the step to the next one the share of the time that it held; 0 for a start in which the hand
+        overlaps object or table, if it must be pressed to its pose, or if the stop of a joint that is bent back carries
+        the weight.
 
         Parameters
         ----------
@@ -141,26 +143,24 @@ class Closing:
         return np.column_stack([np.interp(times, ticks, column, left=0.0) for column in fingers.T])
 
     def _loads_held(self, plans: Sequence[GraspPlan], starts: Vector, pressure_pa: Vector, haste: float) -> Vector:
-        """Close, lift, and load those that came along; return the load at which each world lost its object, (n,)."""
+        """Close, then lift with one load after another those that held the last; return the load held, (n,)."""
         hand = HandIndex.of(self.model)
-        lifting, load = self._lifting(plans, hand, pressure_pa, haste)
-        states = self._run(starts, lifting[:, : -len(load)])
-        lifted = round(self.lift_m / (self.anatomy.wrist_speed_m_per_s * self.model.opt.timestep))
-        lost = self._lost(states[:, -lifted:], states[:, -lifted - 1], hand)
-        # what is lost with the first load counts by how far it came
-        result = FIRST_LOAD * lost / lifted
-        wrist = states[:, -lifted - 1, 1 + hand.wrist_qpos[:3]]
-        off_m = np.linalg.norm(wrist - [plan.wrist_pose[:3] for plan in plans], axis=1)
-        pressed = self.anatomy.wrist_stiffness_n_per_m * off_m > PRESS_N
-        result[pressed] = 0.0
-        rest = np.flatnonzero((lost == lifted) & ~pressed)
-        if len(rest):
-            marks = states[rest, -lifted - 1]
-            ends = self._run(states[rest, -1], lifting[rest, -len(load) :])
-            lost = self._lost(ends, marks, hand)
-            result[rest] = np.append(load, LAST_LOAD)[lost]
-            result[rest[self._on_a_stop(ends, hand)]] = 0.0
-        return np.asarray(result)
+        closed = self._run(starts, self._closing(plans, hand, pressure_pa, haste))[:, -1]
+        off_m = np.linalg.norm(closed[:, 1 + hand.wrist_qpos[:3]] - [plan.wrist_pose[:3] for plan in plans], axis=1)
+        result = np.zeros(len(plans))
+        left = np.flatnonzero(self.anatomy.wrist_stiffness_n_per_m * off_m <= PRESS_N)
+        before = 0.0
+        for load in LOADS:
+            if not len(left):
+                break
+            states = self._run(closed[left], self._lifting([plans[int(i)] for i in left], hand, pressure_pa[-1], load))
+            lost = self._lost(states, closed[left], hand)
+            # what is lost counts by how long it was held
+            result[left] = before + (load - before) * lost / states.shape[1]
+            stopped = self._on_a_stop(states, hand)
+            result[left[stopped]] = 0.0 if load <= 1.0 else before
+            left, before = left[(lost == states.shape[1]) & ~stopped], load
+        return result
 
     def _on_a_stop(self, states: Vector, hand: HandIndex) -> npt.NDArray[np.bool_]:
         """Return in which worlds, (n,), a joint rests on its lower stop in more than `STOPPED_SHARE` of the states."""
@@ -173,32 +173,34 @@ class Closing:
         states, _ = rollout.rollout(self.model, data, starts, controls, control_spec=int(_CONTROL))
         return np.asarray(states)
 
-    def _lifting(
-        self, plans: Sequence[GraspPlan], hand: HandIndex, pressure_pa: Vector, haste: float
-    ) -> tuple[Vector, Vector]:
-        """Return each world's control and applied forces, shape (plans, steps, n), and the load of the last steps."""
+    def _closing(self, plans: Sequence[GraspPlan], hand: HandIndex, pressure_pa: Vector, haste: float) -> Vector:
+        """Return each world's control and applied forces as the hand comes in and closes, shape (plans, steps, n)."""
         model, step_s = self.model, self.model.opt.timestep
         step_m = self.anatomy.wrist_speed_m_per_s * step_s
         come = np.linspace(1.0, 0.0, round(self.protocol.approach_m / (min(haste, FASTEST_WAY_IN) * step_m)) + 1)[1:]
-        up = np.linspace(0.0, self.lift_m, round(self.lift_m / step_m) + 1)[1:]
-        load = np.linspace(FIRST_LOAD, LAST_LOAD, round(LOADING_S / step_s))
-        closed = len(come) + len(pressure_pa)
-        lifted = closed + len(up)
-        body = int(model.body("object").id)
-        weight = -float(model.body_mass[body]) * np.array(model.opt.gravity)
-        controls = np.zeros((len(plans), lifted + len(load), model.nu + 6 * model.nbody))
-        controls[:, len(come) : closed, hand.pressure_ctrl] = pressure_pa
-        controls[:, closed:, hand.pressure_ctrl] = pressure_pa[-1]
-        force = slice(model.nu + 6 * body, model.nu + 6 * body + 3)
-        controls[:, closed:lifted, force] = (1.0 - FIRST_LOAD) * weight
-        controls[:, lifted:, force] = (1.0 - load)[:, None] * weight
+        controls = np.zeros((len(plans), len(come) + len(pressure_pa), model.nu + 6 * model.nbody))
+        controls[:, len(come) :, hand.pressure_ctrl] = pressure_pa
         for control, plan in zip(controls, plans, strict=True):
             way = np.tile(plan.standoff(0.0), (len(control), 1))
             way[: len(come), :3] += self.protocol.approach_m * come[:, None] * np.array(plan.retreat)
-            way[closed:lifted, 2] += up
-            way[lifted:, 2] += self.lift_m
             control[:, hand.wrist_ctrl] = way
-        return controls, load
+        return controls
+
+    def _lifting(self, plans: Sequence[GraspPlan], hand: HandIndex, pressure_pa: Vector, load: float) -> Vector:
+        """Return each world's control and applied forces while the hand lifts and waits, shape (plans, steps, n)."""
+        model, step_s = self.model, self.model.opt.timestep
+        rise = round(self.lift_m / (self.anatomy.wrist_speed_m_per_s * step_s))
+        up = np.append(np.linspace(0.0, self.lift_m, rise + 1)[1:], np.full(round(DWELL_S / step_s), self.lift_m))
+        body = int(model.body("object").id)
+        weight = -float(model.body_mass[body]) * np.array(model.opt.gravity)
+        controls = np.zeros((len(plans), len(up), model.nu + 6 * model.nbody))
+        controls[:, :, hand.pressure_ctrl] = pressure_pa
+        controls[:, :, model.nu + 6 * body : model.nu + 6 * body + 3] = (1.0 - load) * weight
+        for control, plan in zip(controls, plans, strict=True):
+            way = np.tile(plan.standoff(0.0), (len(control), 1))
+            way[:, 2] += up
+            control[:, hand.wrist_ctrl] = way
+        return controls
 
     def _lost(self, states: Vector, mark: Vector, hand: HandIndex) -> npt.NDArray[np.int64]:
         """Return the step at which slip or tilt since the mark pass a limit, the number of steps if none does, (n,)."""

@@ -17,7 +17,7 @@ from softhand_sim.objects.cache import cache_folder
 from softhand_sim.objects.model import ObjectModel
 
 # choice: what full trials then choose from; scores tell little more apart
-MOST = 8
+MOST = 16
 _LOG = logging.getLogger(__name__)
 
 

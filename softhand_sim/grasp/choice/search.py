@@ -25,8 +25,9 @@ _STREAM = 6
 _NOWHERE = (0.0, 0.0, 0.0)
 # choice: a pose must stand the displacements that the paper's protocol here draws
 NOISE = Offsets(position_m=0.010, yaw_rad=float(np.radians(10.0)))
-# a closing that holds this much of the weight is one whose trial holds; choice: what lies over it counts a fifth
-ENOUGH = 1.2
+# a closing that lifts this much of the weight is one whose trial holds: of 224 trials (eight objects) closings did so
+# in three quarters of those held, in 8 % of those lost. choice: what lies over it counts a fifth
+ENOUGH = 1.0
 MARGIN_SHARE = 0.2
 # choice: a scripted grasp of this score is kept: nine in ten is what is wanted of an easy object
 GOOD_ENOUGH = 0.9
