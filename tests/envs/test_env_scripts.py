@@ -42,7 +42,11 @@ def test_the_benchmark_compares_with_the_engine_and_a_batch(tmp_path):
         assert row["engine_steps"] == 200
         assert row["ratio"] == pytest.approx(row["env_processor_s"] / row["engine_processor_s"])
     assert data["vector"]["worlds"] == 2
-    assert min(data["simulated_s_per_s"].values()) > 0.0
+    assert [row["time_step_s"] for row in data["free_running"]] == [0.002] * 3 + [0.004]
+    for row in data["free_running"]:
+        assert row["engine_steps"] * row["time_step_s"] == pytest.approx(0.04)
+        # a thread's processor time is at most the clock's
+        assert row["simulated_s_per_processor_s"] >= 0.9 * row["simulated_s_per_s"] > 0.0
 
 
 def test_bad_input_is_one_line(capsys):
