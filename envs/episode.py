@@ -11,12 +11,14 @@ import numpy.typing as npt
 from envs.actions import ActionSpec
 from envs.draw import Draw, Drawer
 from envs.errors import BadOptionError
+from envs.guarding import LOOK_S, Guarding
 from envs.observations import Layout
 from envs.options import OPTIONS, fixed
 from envs.task import Task
-from envs.world import World, WorldCache
+from envs.world import World, WorldPool
 from softhand_sim.fidelity.fidelity import Fidelity
 from softhand_sim.grasp.place import place_object
+from softhand_sim.guards.limits import Guards
 from softhand_sim.hand.hand import HINGE_RANGE_RAD, SLIDE_RANGE_M
 from softhand_sim.objects.model import ObjectModel
 
@@ -54,6 +56,8 @@ class EpisodeSpec:
         Whether the reward is the goal's.
     has_gas
         Whether there are valves and sensors.
+    guards
+        What a simulation may not pass (`softhand_sim.guards`); None: it may do anything but diverge.
     fidelity
         What a tolerance picked; None without one.
     """
@@ -65,19 +69,21 @@ class EpisodeSpec:
     control_period_s: float
     sparse: bool
     has_gas: bool
+    guards: Guards | None = None
     fidelity: Fidelity | None = None
 
 
 class Episode:
     """The episodes of one world at a time; `reset`, then `command`, `advance`, `observe` and `judge`, in turns."""
 
-    def __init__(self, spec: EpisodeSpec, worlds: WorldCache, task: Task) -> None:
+    def __init__(self, spec: EpisodeSpec, worlds: WorldPool, task: Task) -> None:
         self.spec = spec
         self.task = task
         self.worlds = worlds
         self.draw = Draw()
         self.world: World | None = None
         self.diverged = False
+        self.guarding = Guarding(spec.guards)
         self._beyond = False
         self._privileged = "joint_angle_rad" in spec.layout.where
         self._mass_and_friction = (0.0, 0.0)
@@ -122,7 +128,9 @@ class Episode:
         world = self.here
         world.simulation.reset(rng, self.task.wrist_start(world.object))
         place_object(world.simulation, world.rest_height_m, (*self.draw.object_offset_m, self.draw.object_yaw_rad))
+        self.task.stand_clear(world)
         self.task.begin(world, rng, options)
+        self.guarding.begin(world)
         self.look()
         picked = {} if spec.fidelity is None else spec.fidelity.told()
         return self._drawn(world.object) | picked
@@ -130,7 +138,7 @@ class Episode:
     def enter(self, draw: Draw) -> None:
         """Go to the world of a draw."""
         self.draw = draw
-        self.world = self.worlds.get(draw)
+        self.world = self.worlds.exchange(self.world, draw)
         self._mass_and_friction = (self.world.mass_kg(draw), self.world.friction(draw))
 
     def command(self, action: npt.ArrayLike) -> None:
@@ -152,40 +160,48 @@ class Episode:
             simulation.wrist_target = np.minimum(np.maximum(target, _WRIST_RANGE[:, 0]), _WRIST_RANGE[:, 1])
 
     def advance(self) -> None:
-        """Take the engine's steps of one action, as far as the coordinates are numbers; then `look`."""
-        simulation = self.here.simulation
+        """Take the engine's steps of one action, as far as coordinates are numbers, and `look`; so do the guards."""
+        simulation, left = self.here.simulation, self.substeps
+        at_once = max(1, round(LOOK_S / simulation.dt))
         try:
-            simulation.advance(self.substeps)
+            while left > 0:
+                simulation.advance(min(left, at_once))
+                left -= at_once
+                self.look()
+                self.guarding.look(self.here, range_too=self._beyond)
         except ValueError:
             # the gas refuses the volumes of a finger that is nowhere
             if np.isfinite(simulation.data.qpos).all():
                 raise
-        self.look()
+            self.look()
+        self.diverged = self.diverged or self.guarding.diverged
 
     def look(self) -> None:
-        """See what the engine says after its steps; once, before `observe` and `judge`, which rely on it."""
+        """See what the engine says after its steps; before `observe` and `judge`, which rely on it."""
         simulation = self.here.simulation
         self._beyond = simulation.range_watch.passed()
         self._warnings = _named(simulation.warnings) if simulation.warnings.any() else {}
-        self.diverged = not bool(np.isfinite(simulation.data.qpos).all())
+        self.diverged = self.guarding.diverged or not bool(np.isfinite(simulation.data.qpos).all())
         if self._warnings:
             self.diverged = self.diverged or simulation.diverged
 
     def judge(self, elapsed_s: float) -> tuple[float, bool, Info]:
         """Return reward, whether the episode has ended, and the info."""
-        world, warnings, beyond = self.here, self._warnings, self._beyond
+        world, guarding = self.here, self.guarding
+        told: Info = {"diverged": self.diverged, **guarding.told(diverged=self.diverged)}
+        told |= {"beyond_calibration": self._beyond, "engine_warnings": self._warnings}
         if self.diverged:
-            info: Info = {"is_success": False, "diverged": True}
-            reward = -1.0 if self.spec.sparse else 0.0
-            return reward, True, info | {"beyond_calibration": beyond, "engine_warnings": warnings}
+            return -1.0 if self.spec.sparse else 0.0, True, {"is_success": False, **told}
         verdict = self.task.judge(world, elapsed_s)
         success, reward = verdict.success, sum(verdict.terms.values())
         if self.spec.sparse:
             reward = float(self.task.goal_reward(self.task.achieved(world), self.task.desired()))
             success = reward == 0.0
-        info = {"is_success": success, "diverged": False, "beyond_calibration": beyond, "engine_warnings": warnings}
+        info: Info = {"is_success": success, **told}
         info |= {f"reward_{name}": value for name, value in verdict.terms.items()} | verdict.figures
-        return reward, verdict.lost, info
+        # with -1 a step, an early end would be a reward
+        ended = (verdict.lost or guarding.alarm is not None) and not self.spec.sparse
+        return reward, ended, info
 
     def observe(self) -> Vector:
         """Return the observed vector, (n,), new each time; zeros, as far as the bounds allow, when diverged."""

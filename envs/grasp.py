@@ -89,13 +89,24 @@ class SoftHandGraspEnv(SoftHandEnv):
 
     ``info["is_success"]``: the object has been at least 0.1 m above its rest for 1 s without a break, with its
     centre within 0.15 m of `grasp`; in goal mode, it is at the goal. The episode terminates when the object is more
-    than 0.5 m from its start, or the simulation diverges (``info["diverged"]``; the observation is then zero); it
-    is truncated after 250 steps (10 s). ``info["engine_warnings"]`` holds the engine's warnings by name, with their
-    number.
+    than 0.5 m from its start, or when the simulation can't be trusted any more, as ``info["outcome"]`` tells by name,
+    which is empty else, and ``info["alarm"]`` with figures:
+
+    | ``outcome`` | by default |
+    |---|---|
+    | ``DIVERGED`` | not finite, or the engine says so; also ``info["diverged"]``; the observation is then zero |
+    | ``UNBALANCED`` | 50 mJ of energy from nowhere (10 mJ with ``wrist=False``) |
+    | ``PENETRATED`` | the object in anything, or a finger in another, by 5 mm |
+    | ``EXTRAPOLATED`` | a joint 0.5 rad past its stop, or a pressure 10 kPa past the calibrated one (bare valves!) |
+
+    Guards look every 40 ms at the latest, and ``guards`` changes their limits. In goal mode nothing but divergence ends
+    an episode: with -1 a step, an early end would be a reward. It is truncated after 250 steps (10 s).
+    ``info["engine_warnings"]`` holds the engine's warnings by name, with their number.
 
     ## Start and randomisation
 
-    The hand stands open 50 mm before the default grasp of the object as it would lie without displacement.
+    The hand stands open 50 mm before the default grasp of the object as it would lie without displacement, or farther
+    back in steps of 10 mm where it would overlap the displaced one.
 
     | quantity | ``place`` (default) | ``domain`` | option of ``reset`` that fixes it |
     |---|---|---|---|
@@ -119,7 +130,7 @@ class SoftHandGraspEnv(SoftHandEnv):
     ``render_mode`` (None, ``human``, ``rgb_array``, ``depth_array``), ``approach_m`` (distance of the start from the
     grasp [m], 0.05 by default; 0.13 is clear of objects that lie 30 mm off) and those of `envs.config.EnvConfig`, all
     keywords: ``objects``, ``action_mode``, ``wrist``, ``wrist_speed_m_per_s``, ``observation_mode``, ``camera``,
-    ``randomization``, ``effects``, ``tolerance``, ``engine``, ``calibrations``, ``control_period_s``.
+    ``randomization``, ``effects``, ``tolerance``, ``engine``, ``calibrations``, ``control_period_s``, ``guards``.
 
     ## Version history
 

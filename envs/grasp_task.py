@@ -14,6 +14,7 @@ from envs.task import Verdict
 from envs.world import World
 from softhand_sim.checks import require_in
 from softhand_sim.grasp.choice.shipped import default_grasp
+from softhand_sim.grasp.place import stand_off
 from softhand_sim.grasp.plan import GraspPlan
 from softhand_sim.grasp.protocol_file import load_protocol
 from softhand_sim.objects.model import ObjectModel
@@ -47,7 +48,7 @@ class GraspTask:
             require_in("approach_m", self.approach_m, 1e-3, 0.3)
             self._protocol = replace(self._protocol, approach_m=self.approach_m)
         self._home = self._goal = np.zeros(3)
-        self._grasp = np.zeros(6)
+        self._grasp, self._approach_m = np.zeros(6), self._protocol.approach_m
         self._plans: dict[str, GraspPlan] = {}
 
     def wrist_start(self, model: ObjectModel) -> Vector:
@@ -58,10 +59,15 @@ class GraspTask:
         self._grasp = plan.standoff(0.0)
         return plan.standoff(self._protocol.approach_m)
 
+    def stand_clear(self, world: World) -> None:
+        """Go back along the approach."""
+        plan = self._plans[world.object.name]
+        self._approach_m = stand_off(world.simulation, plan, self._protocol.approach_m)
+
     def wrist_script(self, time_s: float) -> Vector:
         """Return the pose of the paper's protocol: at the object, and up when the fingers had time to close."""
-        # the standoff is approach_m away, at 0.1 m/s (paper)
-        closed_s = self._protocol.approach_m / 0.1 + self._protocol.settle_s + self._protocol.close_s
+        # the standoff is so far away, at 0.1 m/s (paper)
+        closed_s = self._approach_m / 0.1 + self._protocol.settle_s + self._protocol.close_s
         up = np.array([0.0, 0.0, self._protocol.lift_m, 0.0, 0.0, 0.0])
         return self._grasp if time_s < closed_s else self._grasp + up
 

@@ -13,7 +13,7 @@ from envs.observations import ObservationMode
 from envs.rendering import RENDER_MODES, Pictures
 from envs.snapshot import Snapshot
 from envs.task import Task
-from envs.world import WorldCache
+from envs.world import WorldPool
 
 Vector = npt.NDArray[np.float64]
 Info = dict[str, Any]
@@ -31,7 +31,7 @@ class SoftHandEnv(gymnasium.Env[Any, Any]):
         self.metadata = {**type(self).metadata, "render_fps": round(1.0 / config.control_period_s)}
         scenes = config.scenes()
         spec = config.spec(scenes, task)
-        self._episode = Episode(spec, WorldCache(scenes), task)
+        self._episode = Episode(spec, WorldPool(scenes), task)
         self._mode, self._camera_size = config.mode, config.camera
         self._pictures = Pictures()
         self.action_space = spec.action.space

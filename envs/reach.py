@@ -80,7 +80,7 @@ class ReachEnv(gymnasium.Env[Vector, Any]):
     privileged
         Whether observations end with what only a critic may see.
     config
-        Arguments of `envs.grasp.SoftHandGraspEnv`, but for modes and control period.
+        Arguments of `envs.grasp.SoftHandGraspEnv`, but for modes, control period and guards.
     """
 
     def __init__(
@@ -90,7 +90,7 @@ class ReachEnv(gymnasium.Env[Vector, Any]):
         self._lift, self._privileged = lift, privileged
         self.env = SoftHandGraspEnv(
             action_mode="pressure", wrist=True, observation_mode="hardware", control_period_s=SAMPLE_S,
-            approach_m=APPROACH_M, **config,
+            approach_m=APPROACH_M, guards=None, **config,
         )  # fmt: skip
         size = self._spec.features + PRIVILEGED * privileged
         self.observation_space = spaces.Box(-np.inf, np.inf, (size,), dtype=np.float64)

@@ -60,14 +60,16 @@ class SoftHandReorientEnv(SoftHandEnv):
 
     ``info["is_success"]``: the turn has been within 3 degrees of the target for 0.5 s without a break; in goal mode, it
     is there. The episode terminates when the object has tipped by more than 30 degrees, is more than 0.1 m from its
-    start, or the simulation diverges; it is truncated after 250 steps (10 s).
+    start, or a guard fires, and in goal mode when the simulation diverges, all as in `envs.grasp.SoftHandGraspEnv`; it
+    is truncated after 250 steps (10 s).
 
     ## Start and randomisation
 
     The palm stands at rest 28 mm behind the place of the object and 100 mm (or the object's height and 30 mm) above the
-    table. The target is even within 15 degrees either way, but at least 6 degrees from the start. By default the object
-    lies up to 4 mm and 3 degrees off its place; the rest is as in `envs.grasp.SoftHandGraspEnv`, with the options of
-    ``reset`` given there, and ``target_yaw_rad`` in place of a goal's position.
+    table, or farther forward in steps of 1 mm where a finger would overlap the displaced object. The target is even
+    within 15 degrees either way, but at least 6 degrees from the start. By default the object lies up to 4 mm and
+    3 degrees off its place; the rest is as in `envs.grasp.SoftHandGraspEnv`, with the options of ``reset`` given there,
+    and ``target_yaw_rad`` in place of a goal's position.
 
     ## Arguments
 

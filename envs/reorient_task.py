@@ -28,6 +28,8 @@ OUT_OF_REACH_M = 0.10
 # choice: the object's centre lies 28 mm before the palm's, where index and the other fingers reach both its ends, and
 # clear of the thumb; a palm at 100 mm keeps the tips of straight fingers 10 mm above the table
 BEFORE_PALM_M, PALM_HEIGHT_M, CLEARANCE_M = 0.028, 0.100, 0.030
+CLEAR_STEP_M, FARTHEST_M = 0.001, 0.05
+"""Choices: what overlaps at the start is thrown; a bar that is turned by the largest yaw of all is cleared sooner."""
 
 
 def foam_bar() -> ObjectModel:
@@ -67,6 +69,14 @@ class ReorientTask:
         height = max(PALM_HEIGHT_M, float(model.extents_m[2]) + CLEARANCE_M)
         self._pose = np.array([-BEFORE_PALM_M, 0.0, height, 0.0, 0.0, 0.0])
         return self._pose
+
+    def stand_clear(self, world: World) -> None:
+        """Go forward, away from the object that lies before the fingers."""
+        simulation, moved_m = world.simulation, 0.0
+        while moved_m < FARTHEST_M and world.contacts.of_object(simulation.data).size:
+            moved_m += CLEAR_STEP_M
+            self._pose = self._pose + np.array([CLEAR_STEP_M, 0.0, 0.0, 0.0, 0.0, 0.0])
+            simulation.stand(self._pose)
 
     def wrist_script(self, time_s: float) -> Vector:
         """Return the pose of the start: the hand stands still."""

@@ -6,34 +6,31 @@ from typing import Any
 
 import mujoco
 import numpy as np
+import numpy.typing as npt
 
 from envs.draw import Draw
 from envs.episode import Episode
 from envs.errors import BadStateError
 from envs.task import Task
+from softhand_sim.guards import checkpoint
+from softhand_sim.guards.limits import Alarm
 
-_OF_SIMULATION = (
-    "wrist_reference",
-    "wrist_target",
-    "set_pressure_pa_gauge",
-    "range_watch",
-    "loss_state",
-    "gas",
-    "_next_look_s",
-)
+Vector = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Snapshot:
     """What `take` saw; any number of episodes may go on from it, bit for bit. It can be pickled to another process.
 
-    The engine's data is kept whole, not only its state: a step starts from what the step before it derived.
+    The engine's data is kept whole beside the simulation's state: what a step derived is observed after it.
     """
 
     names: tuple[str, ...]
     draw: Draw
     data: mujoco.MjData
-    simulation: dict[str, Any]
+    simulation: dict[str, Vector]
+    book: dict[str, Vector]
+    alarm: Alarm | None
     task: Task
     rng: dict[str, Any]
 
@@ -45,7 +42,9 @@ class Snapshot:
             names=episode.spec.names,
             draw=episode.draw,
             data=copy(simulation.data),
-            simulation={name: deepcopy(getattr(simulation, name)) for name in _OF_SIMULATION},
+            simulation=checkpoint.take(simulation),
+            book=episode.guarding.book(),
+            alarm=episode.guarding.alarm,
             task=episode.task.copy(),
             rng=deepcopy(rng.bit_generator.state),
         )
@@ -65,12 +64,10 @@ class Snapshot:
         mine, saved = simulation.data, self.data
         if mine.qpos.shape != saved.qpos.shape or mine.geom_xpos.shape != saved.geom_xpos.shape:
             raise BadStateError("state of a scene with other parts: was it saved with other objects or effects?")
-        # a world of its own may never have been reset
-        simulation.reset(np.random.default_rng(0), self.simulation["wrist_reference"])
+        checkpoint.restore(simulation, self.simulation)
         # into the simulation's own data, which others hold views of
         mujoco.mj_copyData(mine, simulation.model, saved)
-        for name, value in self.simulation.items():
-            setattr(simulation, name, deepcopy(value))
         episode.task = self.task.copy()
+        episode.guarding.begin(episode.here, self.alarm, self.book)
         episode.look()
         rng.bit_generator.state = deepcopy(self.rng)

@@ -56,6 +56,10 @@ class Task(Protocol):
         """Return the wrist's pose at the start of an episode, (6,)."""
         ...
 
+    def stand_clear(self, world: World) -> None:
+        """Back the hand off from its start as long as it overlaps the displaced object."""
+        ...
+
     def wrist_script(self, time_s: float) -> Vector:
         """Return the wrist's target pose, (6,), at a time, for policies that move the fingers alone."""
         ...

@@ -13,8 +13,9 @@ from envs.config import EnvConfig
 from envs.episode import Episode
 from envs.hand_env import observation_space, observed
 from envs.lanes import Lanes
+from envs.rendering import Pictures
 from envs.task import Task
-from envs.world import WorldCache
+from envs.world import WorldPool
 
 Info = dict[str, Any]
 Flags = npt.NDArray[np.bool_]
@@ -23,9 +24,9 @@ Flags = npt.NDArray[np.bool_]
 class SoftHandVectorEnv(VectorEnv[Any, Any, Any]):
     """``num_envs`` environments of one kind; the same results as so many single ones with the same seeds, bit for bit.
 
-    Made by ``gymnasium.make_vec``. All have one object and one calibration, and randomisations of the object alone
-    (its place, mass and friction): what differs otherwise runs with ``vectorization_mode="async"``. There are no
-    pictures either.
+    Made by ``gymnasium.make_vec``. Each draws its own object, material pair, leak, valves and sensors, as a single one
+    does. Compiled scenes are shared, and so are worlds: one that an episode leaves serves whichever wants it next. A
+    camera draws one world after the other in a context of its own.
 
     Parameters
     ----------
@@ -46,7 +47,7 @@ class SoftHandVectorEnv(VectorEnv[Any, Any, Any]):
     Raises
     ------
     ValueError
-        If the number of environments or of steps is not above 0, or the environments would have to differ.
+        If the number of environments or of steps is not above 0.
     """
 
     def __init__(
@@ -69,10 +70,11 @@ class SoftHandVectorEnv(VectorEnv[Any, Any, Any]):
         self.metadata = {"render_modes": [], "autoreset_mode": mode}
         self._autoreset, self._most = mode, max_episode_steps
         scenes = config.scenes()
-        _require_alike(config, len(scenes.settings.objects), len(scenes.settings.calibrations))
-        self._episodes = tuple(Episode(config.spec(scenes, task), WorldCache(scenes), task) for task in tasks)
+        worlds = WorldPool(scenes)
+        self._episodes = tuple(Episode(config.spec(scenes, task), worlds, task) for task in tasks)
         self._lanes = Lanes(self._episodes, threads)
-        self._mode = config.mode
+        self._mode, self._camera_size = config.mode, config.camera
+        self._pictures = tuple(Pictures() for _ in tasks)
         spec = self._episodes[0].spec
         self.single_action_space = spec.action.space
         self.single_observation_space = observation_space(config, spec.layout.space, tasks[0])
@@ -115,8 +117,6 @@ class SoftHandVectorEnv(VectorEnv[Any, Any, Any]):
         seeds = [seed + i for i in range(n)] if isinstance(seed, int) else list(seed or [None] * n)
         if len(seeds) != n:
             raise ValueError(f"seed: {len(seeds)} given, must be one or {n}")
-        if "leak" in given or "valve_flow_ratio" in given or "sensor_offset_pa" in given:
-            raise ValueError(f"options: {sorted(given)}: gas is the same in all environments of this kind")
         chosen = np.flatnonzero(mask).tolist()
         for i in chosen:
             if seeds[i] is not None:
@@ -153,7 +153,7 @@ class SoftHandVectorEnv(VectorEnv[Any, Any, Any]):
             self._steps[i] += 1
             truncated[i] = self._most is not None and self._steps[i] >= self._most
             if self._autoreset is AutoresetMode.SAME_STEP and (terminated[i] or truncated[i]):
-                info = {"final_obs": observed(episode, self._mode), "final_info": info}
+                info = {"final_obs": self._observed(i), "final_info": info}
             infos = self._add_info(infos, info, i)
         self._over = terminated | truncated
         again = self._over if self._autoreset is AutoresetMode.SAME_STEP else resetting
@@ -173,24 +173,18 @@ class SoftHandVectorEnv(VectorEnv[Any, Any, Any]):
         return infos
 
     def close_extras(self, **kwargs: Any) -> None:
-        """End the threads."""
+        """End the threads and free GL contexts."""
         del kwargs
         self._lanes.close()
+        for pictures in self._pictures:
+            pictures.close()
 
     def _observations(self) -> Any:
         out: Any = create_empty_array(self.single_observation_space, n=self.num_envs)
-        rows = [observed(episode, self._mode) for episode in self._episodes]
+        rows = [self._observed(i) for i in range(self.num_envs)]
         return concatenate(self.single_observation_space, rows, out)
 
-
-def _require_alike(config: EnvConfig, objects: int, calibrations: int) -> None:
-    """Raise ValueError if the worlds would have to differ in more than one batch of the engine allows."""
-    causes = {
-        f"objects: {objects} given": objects > 1,
-        f"calibrations: {calibrations} given": calibrations > 1,
-        "randomization: leaks, valves and sensors": config.ranges.of_gas,
-        "camera": config.camera is not None,
-    }
-    for cause, holds in causes.items():
-        if holds:
-            raise ValueError(f"{cause}: environments of one batch are alike; take vectorization_mode='async'")
+    def _observed(self, i: int) -> Any:
+        episode, size = self._episodes[i], self._camera_size
+        picture = None if size is None else self._pictures[i].camera(episode.here, size)
+        return observed(episode, self._mode, picture)

@@ -19,7 +19,7 @@ from softhand_sim.effects.auto import choose
 from softhand_sim.effects.build import apply_to_contacts, apply_to_model, build_losses, build_pneumatics
 from softhand_sim.effects.scene import SceneFacts, Tolerance
 from softhand_sim.elements import FINGERS
-from softhand_sim.grasp.contacts import ContactMap
+from softhand_sim.grasp.contacts import IN_HAND, PALM, ContactMap
 from softhand_sim.hand.anatomy import HandAnatomy
 from softhand_sim.hand.scene import EngineSettings, build_scene
 from softhand_sim.objects.mjcf import attach_object
@@ -29,7 +29,11 @@ from softhand_sim.simulation import HandSimulation
 Vector = npt.NDArray[np.float64]
 
 MOST_SCENES = 64
-"""Choice: a compiled scene takes about 2 MB; all objects of the catalogue with one finger fit in."""
+"""Compiled scenes, and idle worlds, that are kept. Choice: all objects of the catalogue with one finger fit in."""
+_TOUCHING: npt.NDArray[np.bool_] = np.array(
+    [[mask >> k & 1 for k in range(PALM + 1)] for mask in range(2 << PALM)], dtype=bool
+)
+_TOUCHING.flags.writeable = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,6 +82,9 @@ class World:
         self.grasp_site = int(self.model.site("grasp").id)
         self.object_qpos = int(self.model.joint("object_joint").qposadr[0])
         self.contacts = ContactMap.of(self.model)
+        # one look-up for all contacts: a bit for the finger, or the palm, in a contact of hand and object
+        members = np.maximum(self.contacts.member[:, None], self.contacts.member)
+        self._touch = np.where(self.contacts.kind == IN_HAND, 1 << np.maximum(members, 0), 0)
         self._geoms = np.flatnonzero((self.model.geom_bodyid == self.body) & (self.model.geom_contype != 0))
         mine = np.isin(self.model.pair_geom1, self._geoms) | np.isin(self.model.pair_geom2, self._geoms)
         self._pairs = np.flatnonzero(mine)
@@ -127,14 +134,12 @@ class World:
             self._drawn = self._gas_of(draw)
 
     def touching(self) -> npt.NDArray[np.bool_]:
-        """Whether each finger and the palm touch the object, (6,)."""
-        touched = np.zeros(6, dtype=bool)
-        data = self.simulation.data
+        """Whether each finger and the palm touch the object, (6,), read-only."""
+        data, found = self.simulation.data, 0
         if data.ncon:
-            pair = self.contacts.member[data.contact.geom]
-            hand = pair[(pair == -2).any(axis=1)].max(axis=1)
-            touched[hand[hand >= 0]] = True
-        return touched
+            first, second = data.contact.geom.T
+            found = int(np.bitwise_or.reduce(self._touch[first, second]))
+        return np.asarray(_TOUCHING[found])
 
 
 class Scenes:
@@ -168,21 +173,29 @@ class Scenes:
         return build_scene(calibration, engine=s.engine, add_object=add_object).model, effects
 
 
-class WorldCache:
-    """The worlds of one environment, kept while they are among the latest."""
+class WorldPool:
+    """Worlds of environments that share scenes: each belongs to one episode at a time, the latest idle ones are kept.
+
+    A draw and a reset leave nothing of the episode before, so it does not matter whose a world was.
+    """
 
     def __init__(self, scenes: Scenes) -> None:
         self._scenes = scenes
-        self._worlds: OrderedDict[tuple[int, int], World] = OrderedDict()
+        self._idle: list[World] = []
 
-    def get(self, draw: Draw) -> World:
-        """Return the world of a draw, with the draw taken over."""
+    def exchange(self, left: World | None, draw: Draw) -> World:
+        """Take back the world that an episode leaves, and return one for its draw, with the draw taken over."""
         index = (draw.object, draw.calibration)
-        world = self._worlds.pop(index, None) or self._scenes.world(index)
-        self._worlds[index] = world
-        if len(self._worlds) > MOST_SCENES:
-            self._worlds.popitem(last=False)
+        if left is not None and left.index == index:
+            left.apply(draw)
+            return left
+        k = next((k for k, idle in enumerate(self._idle) if idle.index == index), None)
+        world = self._scenes.world(index) if k is None else self._idle.pop(k)
         world.apply(draw)
+        # last: whatever fails, the episode keeps a world of its own
+        if left is not None:
+            self._idle.append(left)
+            del self._idle[:-MOST_SCENES]
         return world
 
 

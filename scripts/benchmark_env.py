@@ -3,8 +3,9 @@
 For each scene, every action is timed in the environment, and then the bare engine takes the same number of steps from
 the same state, with nothing around it; one after the other within one run. Times are those of the processor, so that
 other work on the machine disturbs them less. Then a vector environment takes turns with one environment and with a bare
-batch of the engine from the same states, by the clock. Last, free-running environments of each scene are timed by the
-clock in turns and, where gymnasium-robotics is installed, its hand with the table-top task.
+batch of the engine from the same states, by the clock. Last, free-running environments of each scene take turns under
+random actions, the first also with what a tolerance of 5 degrees and 10 mm allows and, where gymnasium-robotics is
+installed, its hand with a ball on a table.
 """
 
 import importlib
@@ -23,6 +24,7 @@ import numpy.typing as npt
 from tqdm import tqdm
 
 import envs
+from envs.config import AUTO_TOLERANCE
 from scripts import _cli
 
 EXAMPLES = """examples:
@@ -86,9 +88,13 @@ def _job(argv: Sequence[str] | None) -> int:
             f"batch's {row['batch']:.0f} ({row['over_batch_by_processor']:.2f} by processor time)"
         )
     if args.seconds > 0.0:
-        data["simulated_s_per_s"] = _free_running(made, args.seconds, args.seed)
-        for name, speed in data["simulated_s_per_s"].items():
-            print(f"{name}: {speed:.1f} simulated seconds a second")
+        coarse = gymnasium.make(envs.GRASP_ENV_ID, objects="apple", effects=args.effects, tolerance=AUTO_TOLERANCE)
+        data["free_running"] = _free_running({**made, "apple, to 5 degrees": coarse}, args.seconds, args.seed)
+        coarse.close()
+        print(f"{'random actions':<23}{'simulated s/s':>14}{'by processor':>14}   engine steps an action")
+        for row in data["free_running"]:
+            speeds = f"{row['simulated_s_per_s']:>14.1f}{row['simulated_s_per_processor_s']:>14.1f}"
+            print(f"{row['scene']:<23}{speeds}   {row['engine_steps']} of {1e3 * row['time_step_s']:g} ms")
     for env in made.values():
         env.close()
     if args.json is not None:
@@ -196,25 +202,34 @@ def _step_single(env: Any, actions: npt.NDArray[np.float32]) -> None:
             env.reset()
 
 
-def _free_running(made: dict[str, Any], seconds: float, seed: int) -> dict[str, float]:
-    """Return simulated seconds per second by the clock of each environment, resets included."""
-    runs = dict(made)
+def _free_running(made: dict[str, Any], seconds: float, seed: int) -> list[dict[str, Any]]:
+    """Return simulated seconds per second, by the clock and of the processor, of each environment, resets included."""
+    runs = made
     if importlib.util.find_spec("gymnasium_robotics") is not None:
-        runs[OTHER] = _adroit()
-    wall, simulated = dict.fromkeys(runs, 0.0), dict.fromkeys(runs, 0.0)
+        runs = {**made, OTHER: _adroit()}
+    spent = {name: np.zeros(3) for name in runs}
     for env in runs.values():
         env.reset(seed=seed)
         env.action_space.seed(seed)
     for _ in tqdm(range(5), desc="free-running", unit="turn", disable=None):
         for name, env in runs.items():
-            period, began = _period_s(env), time.perf_counter()
-            while time.perf_counter() - began < seconds / 5.0:
+            (step_s, steps), began, actions = _period(env), _clocks(), 0
+            while time.perf_counter() - began[0] < seconds / 5.0:
                 *_, terminated, truncated, _ = env.step(env.action_space.sample())
-                simulated[name] += period
+                actions += 1
                 if terminated or truncated:
                     env.reset()
-            wall[name] += time.perf_counter() - began
-    return {name: simulated[name] / wall[name] for name in runs}
+            spent[name] += [*(_clocks() - began), actions * steps * step_s]
+    rows = []
+    for name, (wall, processor, simulated) in spent.items():
+        step_s, steps = _period(runs[name])
+        speeds = {"simulated_s_per_s": simulated / wall, "simulated_s_per_processor_s": simulated / processor}
+        rows.append({"scene": name, "engine_steps": steps, "time_step_s": step_s, **speeds})
+    return rows
+
+
+def _clocks() -> npt.NDArray[np.float64]:
+    return np.array([time.perf_counter(), time.process_time()])
 
 
 def _adroit() -> Any:
@@ -224,9 +239,12 @@ def _adroit() -> Any:
         return gymnasium.make(OTHER)
 
 
-def _period_s(env: Any) -> float:
+def _period(env: Any) -> tuple[float, int]:
+    """Return the engine's time step [s], and its steps in an action."""
     raw = env.unwrapped
-    return float(raw.dt) if hasattr(raw, "dt") else float(raw.episode.spec.control_period_s)
+    if hasattr(raw, "frame_skip"):
+        return float(raw.model.opt.timestep), int(raw.frame_skip)
+    return float(raw.episode.here.simulation.dt), int(raw.episode.substeps)
 
 
 if __name__ == "__main__":

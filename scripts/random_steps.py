@@ -1,8 +1,9 @@
 """Random actions by the million: nothing may become NaN or leave its space, and memory must stay flat.
 
 The steps are shared out over both environments and all their action and observation modes, with all randomisations and
-all effects in turn. Engine warnings and divergences are counted by name; memory is the process's own, resident. With
-``--json`` the figures so far are written after every case, and say whether the run is complete.
+all effects in turn, and over vector environments of all objects and of the ensemble's fingers. Engine warnings, and how
+the guards see each episode at its end, are counted by name; memory is the process's own, resident. With ``--json`` the
+figures so far are written after every case, and say whether the run is complete.
 """
 
 import itertools
@@ -26,7 +27,7 @@ EXAMPLES = """examples:
   random_steps.py --steps 1000000 --period 0.02 --json out/random.json      # single ticks of the controller
 """
 OBJECTS = "apple,lemon,mug,soup_can,banana"
-EPISODE_STEPS = 250
+EPISODE_STEPS, WORLDS = 250, 4
 LEAK_BYTES = 64 << 20
 """Choice: growth from the first half's end that is called a leak; allocators keep some megabytes back."""
 
@@ -59,9 +60,11 @@ def _job(argv: Sequence[str] | None) -> int:
     with tqdm(total=2 * len(cases) * share, desc="steps", unit="step", disable=None) as bar:
         for half, (k, (env_id, given)) in itertools.product(range(2), enumerate(cases)):
             if k not in made:
-                period = {"control_period_s": args.period}
-                made[k] = gymnasium.make(env_id, max_episode_steps=EPISODE_STEPS, **given, **period)
-            _run(made[k], share, args.seed + 2 * k + half, counts)
+                common = {"max_episode_steps": EPISODE_STEPS, "control_period_s": args.period}
+                make = gymnasium.make_vec if "num_envs" in given else gymnasium.make
+                made[k] = make(env_id, **given, **common)
+            run = _run_vector if "num_envs" in given else _run
+            run(made[k], share, args.seed + 2 * k + half, counts)
             memory.append(_resident_bytes())
             bar.update(share)
             if args.json is not None:
@@ -98,6 +101,10 @@ def _cases(objects: tuple[str, ...]) -> list[tuple[str, dict[str, Any]]]:
         effects = ("bench", "full")[k % 2]
         cases.append((envs.GRASP_ENV_ID, {**given, "effects": effects, "objects": objects[k % len(objects)]}))
         cases.append((envs.REORIENT_ENV_ID, {**given, "effects": effects}))
+    shared = {"num_envs": WORLDS, "threads": 2, "calibrations": "ensemble", "randomization": "domain"}
+    for action, effects in (("pressure", "full"), ("valve", "bench")):
+        given = {**shared, "action_mode": action, "effects": effects}
+        cases += [(envs.GRASP_ENV_ID, {**given, "objects": objects}), (envs.REORIENT_ENV_ID, given)]
     return cases
 
 
@@ -111,9 +118,24 @@ def _run(env: Any, steps: int, seed: int, counts: Counter[str]) -> None:
             counts["not finite or outside the space"] += 1
         if terminated or truncated:
             counts["episodes"] += 1
-            counts["diverged"] += info["diverged"]
+            counts[info["outcome"] or "NO ALARM"] += 1
             counts.update(info["engine_warnings"])
             env.reset()
+
+
+def _run_vector(env: Any, steps: int, seed: int, counts: Counter[str]) -> None:
+    """Take steps of all worlds together, at least so many."""
+    env.action_space.seed(seed)
+    env.reset(seed=seed)
+    for _ in range(-(-steps // env.num_envs)):
+        seen, rewards, terminated, truncated, infos = env.step(env.action_space.sample())
+        counts["steps"] += env.num_envs
+        if not (np.isfinite(rewards).all() and env.observation_space.contains(seen)):
+            counts["not finite or outside the space"] += 1
+        for k in np.flatnonzero(terminated | truncated):
+            counts["episodes"] += 1
+            counts[infos["outcome"][k] or "NO ALARM"] += 1
+            counts.update({name: int(n[k]) for name, n in infos["engine_warnings"].items() if name[0] != "_"})
 
 
 def _resident_bytes() -> int:

@@ -11,7 +11,7 @@ from softhand_sim.actuation.plain import MOST_BEND_RAD
 from softhand_sim.actuation.switching import move_valves
 from softhand_sim.compiling import entry, inner
 from softhand_sim.pneumatics.compiled.gas import advance_gas
-from softhand_sim.pneumatics.compiled.layout import GAS_PRESSURE, MANIFOLDS, SCRATCH_SHAPE
+from softhand_sim.pneumatics.compiled.layout import GAS_PRESSURE, MANIFOLDS
 
 F64 = npt.NDArray[np.float64]
 
@@ -49,23 +49,23 @@ def _next_event_s(hand: Any, world: Any) -> float:
 
 
 @inner
-def _open_leaks(hand: Any, world: Any, holes: F64) -> None:
-    for i in range(holes.shape[0]):
-        for c in range(holes.shape[1]):
-            holes[i, c] = hand.leak[i, c] if hand.leak_start[i] - world.time <= TIME_TOLERANCE_S else 0.0
+def _open_leaks(hand: Any, world: Any) -> None:
+    for i in range(hand.holes.shape[0]):
+        for c in range(hand.holes.shape[1]):
+            hand.holes[i, c] = hand.leak[i, c] if hand.leak_start[i] - world.time <= TIME_TOLERANCE_S else 0.0
 
 
 @inner
-def _run_gas(elements: Any, hand: Any, world: Any, receiver: F64, nodes: F64, holes: F64) -> bool:
+def _run_gas(elements: Any, hand: Any, world: Any, receiver: F64) -> bool:
     """Advance to the step's end or the next tick, split where valves move or leaks open; whether the end is reached."""
     while world.left > 0.0:
         if world.to_tick <= TIME_TOLERANCE_S:
             return False
         if hand.leaks:
-            _open_leaks(hand, world, holes)
+            _open_leaks(hand, world)
         event = _next_event_s(hand, world)
         part = world.left if world.left <= event + TIME_TOLERANCE_S else event
-        advance_gas(elements, world.gas, world.volume, world.open, holes, receiver, nodes, part)
+        advance_gas(elements, world.gas, world.volume, world.open, hand.holes, receiver, hand.nodes, part)
         world.to_tick -= part
         if hand.delays:
             move_valves(world, part)
@@ -134,15 +134,14 @@ def _write_losses(hand: Any, world: Any, qpos: F64, ctrl: F64, dt: float) -> Non
 
 @inner
 def advance_world(  # noqa: PLR0913, PLR0917 - a compiled function takes arrays, not objects
-    elements: Any, hand: Any, world: Any, receiver: F64, nodes: F64, holes: F64, ten_length: F64, qpos: F64, ctrl: F64,
-    dt: float, begins: bool,
-) -> int:  # fmt: skip
+    elements: Any, hand: Any, world: Any, receiver: F64, ten_length: F64, qpos: F64, ctrl: F64, dt: float, begins: bool
+) -> int:
     """Advance one world as `advance_hands` does; `ENDED`, `AT_TICK` or `NO_VOLUME`."""
     if begins:
         if not _measure(hand, world, ten_length) and world.source == GAS:
             return NO_VOLUME
         world.left = dt
-    if world.source == GAS and not _run_gas(elements, hand, world, receiver, nodes, holes):
+    if world.source == GAS and not _run_gas(elements, hand, world, receiver):
         return AT_TICK
     world.left = 0.0
     _write_pressures(elements, hand, world, ctrl)
@@ -174,13 +173,11 @@ def advance_hands(  # noqa: PLR0913, PLR0917 - a compiled function takes arrays,
     int
         How many worlds wait for a tick; or -1 - w if the chambers of world w have no volume.
     """
-    hand, nodes, holes, waiting = hands[0], np.empty(SCRATCH_SHAPE), np.zeros((5, 4)), 0
+    hand, waiting = hands[0], 0
     for w in range(worlds.shape[0]):
         if not begins and worlds[w].left <= 0.0:
             continue
-        state = advance_world(
-            elements, hand, worlds[w], receiver, nodes, holes, ten_length[w], qpos[w], ctrl[w], dt, begins
-        )
+        state = advance_world(elements, hand, worlds[w], receiver, ten_length[w], qpos[w], ctrl[w], dt, begins)
         if state == NO_VOLUME:
             return -1 - w
         waiting += state

@@ -9,7 +9,7 @@ import numpy.typing as npt
 from softhand_sim.actuation.parts import HandParts
 from softhand_sim.control.onoff import OnOffController
 from softhand_sim.elements import ELEMENT_OF_FINGER, FINGERS
-from softhand_sim.pneumatics.compiled.layout import GAS_SHAPE, orifice_row
+from softhand_sim.pneumatics.compiled.layout import GAS_SHAPE, SCRATCH_SHAPE, orifice_row
 
 _FINGERS = len(FINGERS)
 GAS, SET, GIVEN = range(3)
@@ -17,7 +17,11 @@ GAS, SET, GIVEN = range(3)
 
 
 def hand_dtype(branches: int, hinges: int) -> np.dtype[Any]:
-    """Return the record of what all worlds share; ``branches`` of relaxation, 0 for none, ``hinges`` of a finger."""
+    """Return the record of what all worlds share; ``branches`` of relaxation, 0 for none, ``hinges`` of a finger.
+
+    ``nodes`` and ``holes``, the leaks that are open, are scratch of one world's step. They lie here because a part of a
+    record is not counted: each slice of an array of its own costs two atomic counts, which were two thirds of a step.
+    """
     floats: tuple[str, ...] = (
         "volume",
         "area",
@@ -46,6 +50,8 @@ def hand_dtype(branches: int, hinges: int) -> np.dtype[Any]:
             *((name, "i8", _FINGERS) for name in ("tendon", "pressure_ctrl", "loss_ctrl", "element")),
             ("wrist_ctrl", "i8", 6),
             ("joint_qpos", "i8", (_FINGERS, hinges)),
+            ("nodes", "f8", SCRATCH_SHAPE),
+            ("holes", "f8", (_FINGERS, 4)),
         ]
     )
 

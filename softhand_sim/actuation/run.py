@@ -11,7 +11,6 @@ from softhand_sim.actuation.native import guarded_step
 from softhand_sim.actuation.switching import tick_onoff
 from softhand_sim.calibration.limits import HIGHEST, LOWEST, PRESSURES
 from softhand_sim.compiling import entry, inner
-from softhand_sim.pneumatics.compiled.layout import SCRATCH_SHAPE
 
 F64 = npt.NDArray[np.float64]
 
@@ -77,20 +76,18 @@ def run_world(  # noqa: PLR0913, PLR0917 - a compiled function takes arrays, not
     done, why
         Steps taken, and `ENDED`, `AT_TICK`, `NO_VOLUME` or `FAILED`.
     """
-    hand, world, nodes, holes, ticks = hands[0], worlds[0], np.empty(SCRATCH_SHAPE), np.zeros((5, 4)), 0
+    hand, world, ticks = hands[0], worlds[0], 0
     for done in range(steps):
         if begins:
             _command(hand, world, wrist, limits, ctrl[0], given, done)
         while True:
-            state = advance_world(
-                elements, hand, world, receiver, nodes, holes, ten_length[0], qpos[0], ctrl[0], dt, begins
-            )
+            state = advance_world(elements, hand, world, receiver, ten_length[0], qpos[0], ctrl[0], dt, begins)
             begins = False
             if state == ENDED:
                 break
             if state == NO_VOLUME:
                 return done, NO_VOLUME
-            if ticks == noise.shape[0] or not tick_onoff(elements, hand, world, nodes, noise[ticks]):
+            if ticks == noise.shape[0] or not tick_onoff(elements, hand, world, noise[ticks]):
                 return done, AT_TICK
             ticks += 1
         begins = True

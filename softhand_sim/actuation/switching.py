@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from softhand_sim.compiling import entry, inner
 from softhand_sim.control.onoff import MEMORY_SIZE
-from softhand_sim.pneumatics.compiled.layout import GAS_PRESSURE, PRESSURE, SCRATCH_SHAPE
+from softhand_sim.pneumatics.compiled.layout import GAS_PRESSURE, PRESSURE
 from softhand_sim.pneumatics.compiled.vessels import fill_nodes
 
 F64 = npt.NDArray[np.float64]
@@ -95,21 +95,21 @@ def _sets_are_sound(hand: Any, world: Any) -> bool:
 
 
 @inner
-def read_world(elements: Any, hand: Any, world: Any, nodes: F64, noise: F64) -> None:
+def read_world(elements: Any, hand: Any, world: Any, noise: F64) -> None:
     """Read the sensors of a world at its present volumes, with standard normal draws, (3,)."""
     if not hand.tubes:
-        fill_nodes(elements, world.gas, world.volume, nodes)
+        fill_nodes(elements, world.gas, world.volume, hand.nodes)
     for k in range(3):
-        pressure = world.gas[GAS_PRESSURE, k] if hand.tubes else nodes[k, PRESSURE]
+        pressure = world.gas[GAS_PRESSURE, k] if hand.tubes else hand.nodes[k, PRESSURE]
         world.reading[k] = _read(hand, pressure, noise[k]) if hand.senses else pressure
 
 
 @inner
-def tick_onoff(elements: Any, hand: Any, world: Any, nodes: F64, noise: F64) -> bool:
+def tick_onoff(elements: Any, hand: Any, world: Any, noise: F64) -> bool:
     """Let a world's ON-OFF law read, command and switch; False, and nothing done, if a set pressure is out of range."""
     if not _sets_are_sound(hand, world):
         return False
-    read_world(elements, hand, world, nodes, noise)
+    read_world(elements, hand, world, noise)
     for k in range(3):
         _command(hand, world, k)
     _switch(hand, world)
@@ -134,12 +134,12 @@ def read_sensors(elements: Any, hands: Any, worlds: Any, due: npt.NDArray[np.int
     int
         The first world with a set pressure out of range, where nothing was done; -1 if there is none.
     """
-    hand, nodes = hands[0], np.empty(SCRATCH_SHAPE)
+    hand = hands[0]
     for w in due:
         if not _sets_are_sound(hand, worlds[w]):
             return int(w)
     for m in range(due.shape[0]):
-        read_world(elements, hand, worlds[due[m]], nodes, noise[m])
+        read_world(elements, hand, worlds[due[m]], noise[m])
     return -1
 
 

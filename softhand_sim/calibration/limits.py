@@ -82,9 +82,9 @@ class RangeWatch:
 
     def farthest(self) -> tuple[float, float]:
         """Return by how much a pressure [Pa] passed the calibrated one, and a joint [rad] its stops; 0 without."""
-        sets, pressures, high, low = _parts(self.extremes)
-        pressure = max(sets.max(), pressures.max()) - self.limits.pressure_pa_gauge
-        angle = max(high.max() - JOINT_RANGE_RAD[1], JOINT_RANGE_RAD[0] - low.min())
+        seen = self.extremes
+        pressure = seen[:HIGHEST].max() - self.limits.pressure_pa_gauge
+        angle = max(seen[HIGHEST:LOWEST].max() - JOINT_RANGE_RAD[1], JOINT_RANGE_RAD[0] - seen[LOWEST:].min())
         return max(0.0, float(pressure)), max(0.0, float(angle))
 
     def beyond(self) -> dict[str, float]:

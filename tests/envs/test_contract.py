@@ -20,6 +20,11 @@ from softhand_sim.render import RenderUnavailableError
 ACTIONS = [(mode, wrist) for mode in ("pressure", "angle", "valve") for wrist in (True, False)]
 
 
+def test_every_registered_environment_is_checked():
+    ours = {spec.id for spec in gymnasium.registry.values() if str(spec.entry_point).startswith("envs.")}
+    assert ours == {envs.GRASP_ENV_ID, envs.REORIENT_ENV_ID}
+
+
 @pytest.mark.parametrize("env_id", [envs.GRASP_ENV_ID, envs.REORIENT_ENV_ID])
 @pytest.mark.parametrize("observation_mode", ["hardware", "state", "goal"])
 @pytest.mark.parametrize(("action_mode", "wrist"), ACTIONS)

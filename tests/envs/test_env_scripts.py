@@ -9,18 +9,18 @@ from scripts import benchmark_env, random_steps
 
 def test_random_steps_count_and_watch_memory(tmp_path, monkeypatch, capsys):
     cases = list(random_steps._cases(("apple",)))
-    assert len(cases) == 36
-    assert len({json.dumps(case) for case in cases}) == 36
-    monkeypatch.setattr(random_steps, "_cases", lambda _: [cases[0], cases[31]])
+    assert len(cases) == 40
+    assert len({json.dumps(case) for case in cases}) == 40
+    monkeypatch.setattr(random_steps, "_cases", lambda _: [cases[0], cases[31], cases[37]])
     monkeypatch.setattr(random_steps, "EPISODE_STEPS", 20)
     out = tmp_path / "random.json"
-    assert random_steps.main(["--steps", "200", "--objects", "apple", "--json", str(out)]) == 0
+    assert random_steps.main(["--steps", "300", "--objects", "apple", "--json", str(out)]) == 0
     data = json.loads(out.read_text())
-    assert data["steps"] == 200
+    assert data["steps"] == 2 * (50 + 50 + 52)
     assert data["counts"]["episodes"] >= 8
-    assert data["counts"]["diverged"] == 0
+    assert data["counts"]["NO ALARM"] == data["counts"]["episodes"]
     assert data["resident_bytes_last"] > 50 << 20
-    assert "200 steps in 2 cases" in capsys.readouterr().out
+    assert "304 steps in 3 cases" in capsys.readouterr().out
 
 
 @pytest.mark.filterwarnings("ignore:.*observation space")
@@ -42,7 +42,11 @@ def test_the_benchmark_compares_with_the_engine_and_a_batch(tmp_path):
         assert row["engine_steps"] == 200
         assert row["ratio"] == pytest.approx(row["env_processor_s"] / row["engine_processor_s"])
     assert data["vector"]["worlds"] == 2
-    assert min(data["simulated_s_per_s"].values()) > 0.0
+    assert [row["time_step_s"] for row in data["free_running"]] == [0.002] * 3 + [0.004]
+    for row in data["free_running"]:
+        assert row["engine_steps"] * row["time_step_s"] == pytest.approx(0.04)
+        # a thread's processor time is at most the clock's
+        assert row["simulated_s_per_processor_s"] >= 0.9 * row["simulated_s_per_s"] > 0.0
 
 
 def test_bad_input_is_one_line(capsys):

@@ -114,6 +114,23 @@ def fill_then_wait(env, options):
     return rows[1:]
 
 
+@pytest.mark.parametrize(
+    ("env_id", "arguments"),
+    [(envs.GRASP_ENV_ID, {"objects": "mug", "randomization": "domain"}), (envs.REORIENT_ENV_ID, {})],
+)
+def test_the_hand_starts_clear_of_a_displaced_object(made, env_id, arguments):
+    """Of these starts a third overlap where the hand would stand otherwise; what overlaps is thrown."""
+    env = made(env_id, **arguments)
+    usual = env.reset(seed=0, options={"object_offset_m": (0.0, 0.0), "object_yaw_rad": 0.0})[0][9:15]
+    backed = 0
+    for seed in range(20):
+        seen = env.reset(seed=seed)[0]
+        world = env.episode.here
+        assert not world.contacts.of_object(world.simulation.data).size
+        backed += not np.array_equal(seen[9:15], usual)
+    assert 2 <= backed <= 18
+
+
 def test_leak_valves_and_sensor_are_felt(made):
     env = made(action_mode="valve", wrist=False, randomization="none")
     whole = fill_then_wait(env, {})

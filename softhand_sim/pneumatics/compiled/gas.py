@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from softhand_sim.compiling import inner
 from softhand_sim.pneumatics.compiled.layout import GAS_MASS, PRESSURE, RECEIVER
-from softhand_sim.pneumatics.compiled.network import Valves, advance_element
+from softhand_sim.pneumatics.compiled.network import Valves, settle_element, solve_element
 from softhand_sim.pneumatics.compiled.vessels import MAX_ITERATIONS, TOLERANCE, fill_nodes
 from softhand_sim.pneumatics.element import LARGEST_PART, MOST_PARTS
 
@@ -16,24 +16,21 @@ F64 = npt.NDArray[np.float64]
 
 
 @inner
-def _feed(  # noqa: PLR0913, PLR0917 - a compiled function takes arrays, not objects
-    elements: Any, nodes: F64, open_: Valves, holes: F64, supply: float, with_inlet: bool, guesses: F64, dt: float,
-    gas: F64,
-) -> float:  # fmt: skip
-    """Advance the elements whose inlet is open (or shut); a supply below 0 stands for each element's own."""
+def _solve(elements: Any, nodes: F64, open_: Valves, holes: F64, supply: float, with_inlet: bool, dt: float) -> float:
+    """Solve the elements whose inlet is open (or shut), return what they draw; a supply below 0 is each one's own."""
     drawn = 0.0
     for k in range(elements.shape[0]):
         if (open_[2 * k] != 0) == with_inlet:
             own = elements[k].supply if supply < 0.0 else supply
-            drawn += advance_element(elements[k], k, nodes, open_, holes, own, guesses, dt, gas)
+            drawn += solve_element(elements[k], k, nodes, open_, holes, own, dt)
     return drawn
 
 
 @inner
-def _receive(  # noqa: PLR0913, PLR0917 - a compiled function takes arrays, not objects
-    elements: Any, nodes: F64, open_: Valves, holes: F64, receiver: F64, mass: float, guesses: F64, dt: float, gas: F64
-) -> float:
-    """`solve_receiver`: advance the elements with open inlets, return the mass in the receiver."""
+def _receive(
+    elements: Any, nodes: F64, open_: Valves, holes: F64, receiver: F64, mass: float, dt: float
+) -> tuple[float, float]:
+    """`solve_receiver`: solve the elements with open inlets, return the supply that they see and what mass is left."""
     volume, largest, droop = receiver[0], receiver[1], receiver[2]
     wanted, capacity = elements[0].supply, volume / elements[0].rt
     start = mass / capacity
@@ -44,11 +41,11 @@ def _receive(  # noqa: PLR0913, PLR0917 - a compiled function takes arrays, not 
         if e.half > 0.0:
             for i in range(elements.shape[0] + e.first, elements.shape[0] + e.first + e.fingers):
                 low, high = min(low, nodes[i, PRESSURE]), max(high, nodes[i, PRESSURE])
-    p = before = start
+    p = before = seen = start
     residual_before, gained = 0.0, 0.0
     for iteration in range(MAX_ITERATIONS):
         refill = largest * min(max((wanted - p) / droop, 0.0), 1.0)
-        gained = dt * refill - _feed(elements, nodes, open_, holes, p, True, guesses, dt, gas)
+        seen, gained = p, dt * refill - _solve(elements, nodes, open_, holes, p, True, dt)
         residual = capacity * p - mass - gained
         if residual > 0.0:
             high = min(high, p)
@@ -60,7 +57,7 @@ def _receive(  # noqa: PLR0913, PLR0917 - a compiled function takes arrays, not 
             break
         before, residual_before = p, residual
         p = following if low < following < high else 0.5 * (low + high)
-    return mass + gained
+    return seen, mass + gained
 
 
 @inner
@@ -101,17 +98,21 @@ def advance_gas(
     receiver
         Volume [m3], largest flow [kg/s] and droop [Pa] of the supply, (3,), or empty.
     nodes
-        Scratch, (8, 8).
+        Scratch (`layout.SCRATCH_SHAPE`).
     dt
         Step [s].
     """
     parts = _parts(elements, volumes_m3, open_, holes, dt)
-    step, guesses = dt / parts, np.zeros(volumes_m3.shape[0])
+    step = dt / parts
     for _ in range(parts):
         fill_nodes(elements, gas, volumes_m3, nodes)
-        _feed(elements, nodes, open_, holes, -1.0, False, guesses, step, gas)
+        _solve(elements, nodes, open_, holes, -1.0, False, step)
+        supply = -1.0
         if receiver.shape[0] > 0:
             mass = gas[GAS_MASS, RECEIVER]
-            gas[GAS_MASS, RECEIVER] = _receive(elements, nodes, open_, holes, receiver, mass, guesses, step, gas)
+            supply, gas[GAS_MASS, RECEIVER] = _receive(elements, nodes, open_, holes, receiver, mass, step)
         else:
-            _feed(elements, nodes, open_, holes, -1.0, True, guesses, step, gas)
+            _solve(elements, nodes, open_, holes, -1.0, True, step)
+        for k in range(elements.shape[0]):
+            own = elements[k].supply if supply < 0.0 else supply
+            settle_element(elements[k], k, nodes, open_, holes, own, step, gas)

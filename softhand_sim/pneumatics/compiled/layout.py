@@ -25,9 +25,9 @@ GAS_SHAPE = (3, NODES + 1)
 GAS_MASS, GAS_INVARIANT, GAS_PRESSURE = range(3)
 """Rows of the gas: mass [kg], invariant of `Polytropic`, pressure [Pa abs]."""
 
-SCRATCH_SHAPE = (NODES, 8)
-STIFF, SOFT, CAPACITY, GROWTH, CONTENT, PRESSURE, WARMTH, MASS = range(8)
-"""Columns of a node's scratch, as in `Vessel`."""
+SCRATCH_SHAPE = (NODES, 9)
+STIFF, SOFT, CAPACITY, GROWTH, CONTENT, PRESSURE, WARMTH, MASS, GUESS = range(9)
+"""Columns of a node's scratch, as in `Vessel`, and the pressure from which the next search starts."""
 
 ELEMENT = np.dtype(
     [

@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from softhand_sim.compiling import inner
 from softhand_sim.pneumatics.compiled.flows import heat_flow, mass_flow, tube_flow
-from softhand_sim.pneumatics.compiled.layout import CAPACITY, CONTENT, GROWTH, MANIFOLDS, MASS, PRESSURE, WARMTH
+from softhand_sim.pneumatics.compiled.layout import CAPACITY, CONTENT, GROWTH, GUESS, MANIFOLDS, MASS, PRESSURE, WARMTH
 from softhand_sim.pneumatics.compiled.vessels import MAX_ITERATIONS, next_guess, positive_root, settle
 
 F64 = npt.NDArray[np.float64]
@@ -59,10 +59,10 @@ def _branch(
 
 
 @inner
-def _balance(  # noqa: PLR0913, PLR0917 - a compiled function takes arrays, not objects
-    e: Any, nodes: F64, k: int, open_: Valves, holes: F64, supply: float, p: float, guesses: F64, dt: float
+def _balance(
+    e: Any, nodes: F64, k: int, open_: Valves, holes: F64, supply: float, p: float, dt: float
 ) -> tuple[float, float]:
-    """Residual of a manifold's balance at a pressure, and its derivative; the chambers' pressures go to ``guesses``."""
+    """Residual of a manifold's balance at a pressure, and its derivative; the chambers' pressures go to ``GUESS``."""
     hub, ambient, warmth = nodes[k], e.ambient, nodes[k, WARMTH]
     residual = (hub[CAPACITY] + hub[GROWTH] * p) * p - hub[CONTENT]
     rise = hub[CAPACITY] + 2.0 * hub[GROWTH] * p
@@ -76,7 +76,8 @@ def _balance(  # noqa: PLR0913, PLR0917 - a compiled function takes arrays, not 
         rise -= dt * slope
     for i in range(e.first, e.first + e.fingers):
         if e.half > 0.0:
-            flow, slope, guesses[i] = _branch(e, nodes[MANIFOLDS + i], warmth, holes[i], p, guesses[i], dt)
+            leaf = nodes[MANIFOLDS + i]
+            flow, slope, leaf[GUESS] = _branch(e, leaf, warmth, holes[i], p, leaf[GUESS], dt)
         elif holes[i, 0] > 0.0:
             flow, slope = heat_flow(holes[i], ambient, p, warmth)
         else:
@@ -87,7 +88,7 @@ def _balance(  # noqa: PLR0913, PLR0917 - a compiled function takes arrays, not 
 
 
 @inner
-def _manifold(e: Any, nodes: F64, k: int, open_: Valves, holes: F64, supply: float, guesses: F64, dt: float) -> float:
+def _manifold(e: Any, nodes: F64, k: int, open_: Valves, holes: F64, supply: float, dt: float) -> float:
     """Pressure of a manifold at the step's end (`solve_pressure`)."""
     ambient: float = e.ambient
     p: float = nodes[k, PRESSURE]
@@ -100,9 +101,9 @@ def _manifold(e: Any, nodes: F64, k: int, open_: Valves, holes: F64, supply: flo
         if holes[i, 0] > 0.0:
             low, high = min(low, ambient), max(high, ambient)
         if e.half > 0.0:
-            low, high = min(low, guesses[i]), max(high, guesses[i])
+            low, high = min(low, nodes[MANIFOLDS + i, GUESS]), max(high, nodes[MANIFOLDS + i, GUESS])
     for _ in range(MAX_ITERATIONS):
-        residual, rise = _balance(e, nodes, k, open_, holes, supply, p, guesses, dt)
+        residual, rise = _balance(e, nodes, k, open_, holes, supply, p, dt)
         p, low, high, found = next_guess(p, low, high, residual, rise)
         if found:
             break
@@ -119,28 +120,32 @@ def shut_off(e: Any, k: int, open_: Valves, holes: F64) -> bool:
 
 
 @inner
-def advance_element(  # noqa: PLR0913, PLR0917 - a compiled function takes arrays, not objects
-    e: Any, k: int, nodes: F64, open_: Valves, holes: F64, supply: float, guesses: F64, dt: float, gas: F64
-) -> float:
-    """`network.advance` from filled nodes: write the gas after the step, return the mass drawn from the supply."""
-    ambient, warmth = e.ambient, nodes[k, WARMTH]
+def solve_element(e: Any, k: int, nodes: F64, open_: Valves, holes: F64, supply: float, dt: float) -> float:
+    """First half of `network.advance` from filled nodes: find the manifold's pressure, return the mass it draws."""
     if shut_off(e, k, open_, holes):
-        settle(e, nodes[k], nodes[k, PRESSURE], nodes[k, MASS], dt, k, gas)
+        nodes[k, GUESS] = nodes[k, PRESSURE]
         return 0.0
     if e.half > 0.0:
         for i in range(e.first, e.first + e.fingers):
-            guesses[i] = nodes[MANIFOLDS + i, PRESSURE]
-    p = _manifold(e, nodes, k, open_, holes, supply, guesses, dt)
-    drawn, inflow = 0.0, 0.0
+            nodes[MANIFOLDS + i, GUESS] = nodes[MANIFOLDS + i, PRESSURE]
+    p = _manifold(e, nodes, k, open_, holes, supply, dt)
+    nodes[k, GUESS] = p
+    drawn: float = dt * mass_flow(e.inlet, supply, p, nodes[k, WARMTH]) if open_[2 * k] else 0.0
+    return drawn
+
+
+@inner
+def settle_element(e: Any, k: int, nodes: F64, open_: Valves, holes: F64, supply: float, dt: float, gas: F64) -> None:
+    """Second half: write the gas after the step at the manifold's pressure that was found."""
+    ambient, warmth, p, inflow = e.ambient, nodes[k, WARMTH], nodes[k, GUESS], 0.0
     if open_[2 * k]:
-        drawn = mass_flow(e.inlet, supply, p, warmth)
-        inflow += drawn
+        inflow += mass_flow(e.inlet, supply, p, warmth)
     if open_[2 * k + 1]:
         inflow += mass_flow(e.outlet, ambient, p, warmth)
     for i in range(e.first, e.first + e.fingers):
         if e.half > 0.0:
             leaf = nodes[MANIFOLDS + i]
-            q = _leaf(e, leaf, warmth, holes[i], p, guesses[i], dt)
+            q = _leaf(e, leaf, warmth, holes[i], p, leaf[GUESS], dt)
             flow = tube_flow(e, q * q - p * p)[0]
             inflow += flow
             gained = -flow
@@ -150,5 +155,3 @@ def advance_element(  # noqa: PLR0913, PLR0917 - a compiled function takes array
         elif holes[i, 0] > 0.0:
             inflow += mass_flow(holes[i], ambient, p, warmth)
     settle(e, nodes[k], p, nodes[k, MASS] + dt * inflow, dt, k, gas)
-    taken: float = dt * drawn
-    return taken
