@@ -94,7 +94,7 @@ def test_with_a_goal_an_alarm_is_told_and_ends_nothing(made):
     assert info["outcome"] == "EXTRAPOLATED"
 
 
-@pytest.mark.parametrize("period_s", [0.02, LOOK_S, 0.2])
+@pytest.mark.parametrize("period_s", [0.02, LOOK_S, 0.08])
 def test_the_scripted_grasp_stays_far_from_all(made, period_s):
     """The wrist starts and stops; periods longer than a look are looked into."""
     tight = Guards(energy_j=1e-3, penetration_m=1e-3, past_stop_rad=0.05, past_pressure_pa=1e3)
