@@ -36,21 +36,25 @@ def honour(
     """Return a row a tolerance: what it picked, and the share of unseen scenes that are within it.
 
     A scene is decided if half the finest setting's resolution gives the same verdict and is within the tolerance: of
-    the others no setting could be within it but by luck. The share is of all scenes, theirs included.
+    the others no setting could be within it but by luck. The share is of all scenes, theirs included. A tolerance that
+    the front refuses has the reason instead.
     """
-    picked = [front.for_tolerance(tolerance) for tolerance in tolerances]
-    rows = _rows(calibration, picked, scenes, seed + UNSEEN_SEED, kept, tick)
-    found = []
+    picked = [_picked(front, tolerance) for tolerance in tolerances]
+    rows = _rows(calibration, [p for p in picked if isinstance(p, Fidelity)], scenes, seed + UNSEEN_SEED, kept, tick)
+    found: list[Row] = []
     for tolerance, fidelity in zip(tolerances, picked, strict=True):
+        asked = {"tolerance_angle_deg": tolerance.angle_deg, "tolerance_slip_m": tolerance.slip_m}
+        if isinstance(fidelity, str):
+            found.append(asked | {"refused": fidelity})
+            continue
         errors = [row["errors"][_key(fidelity)] for row in rows]
         next_finest = [row["errors"][_key(HIGH_ACCURACY)] for row in rows]
         kept_word = [_within(e, tolerance) for e in errors]
         decided = [_within(e, tolerance) and not e["flipped"] for e in next_finest]
         low, high = wilson_interval(sum(kept_word), len(rows))
         found.append(
-            {
-                "tolerance_angle_deg": tolerance.angle_deg,
-                "tolerance_slip_m": tolerance.slip_m,
+            asked
+            | {
                 "picked": fidelity.data()["measured"],
                 "scenes": len(rows),
                 "honoured": sum(kept_word),
@@ -66,6 +70,14 @@ def honour(
             }
         )
     return found
+
+
+def _picked(front: Front[Fidelity], tolerance: Tolerance) -> Fidelity | str:
+    """Return what is picked, or why nothing is."""
+    try:
+        return front.for_tolerance(tolerance)
+    except ValueError as error:
+        return str(error)
 
 
 def _rows(

@@ -5,6 +5,7 @@ from math import log10
 from pathlib import Path
 from typing import Any
 
+from scripts._accuracy_page import front_of
 from softhand_sim.fidelity.front import non_dominated
 
 Row = dict[str, Any]
@@ -60,7 +61,7 @@ def _label(axis: Any, names: Sequence[str], x: Sequence[float], y: Sequence[floa
     taken: list[tuple[float, float, float]] = []
     for k in sorted(range(len(names)), key=lambda k: -y[k]):
         # in widths and heights of the plot, roughly: a name is as wide as its letters
-        across, up, wide = log10(x[k] / min(x)) / _spread(x), log10(y[k] / min(y)) / _spread(y), 0.012 * len(names[k])
+        across, up, wide = log10(x[k] / min(x)) / _spread(x), log10(y[k] / min(y)) / _spread(y), 0.017 * len(names[k])
         shift = next(
             d
             for d in sorted(range(-40, 41), key=abs)
@@ -100,9 +101,10 @@ def draw_scene(points: Sequence[Row], file: Path) -> None:
             middle = max(scale * row[median], 1e-3 * error)
             axis.errorbar(cost, error, yerr=[[error - middle], [0.0]], fmt="o", color=colour, ms=5, lw=0.6)
         _label(axis, [row["name"] for row in rows], costs, errors)
-        own = [k for k, row in enumerate(rows) if row["kind"] == "numerics"]
-        chosen = [own[k] for k in non_dominated([errors[k] for k in own], [costs[k] for k in own])]
-        axis.step([costs[k] for k in chosen], [errors[k] for k in chosen], where="post", color="0.4", lw=1.0, zorder=0)
+        own = front_of(rows)
+        chosen = [own[k] for k in non_dominated([row[key] for row in own], [row["cost_ratio"] for row in own])]
+        x, y = [row["cost_ratio"] for row in chosen], [scale * row[key] for row in chosen]
+        axis.step(x, y, where="post", color="0.4", lw=1.0, zorder=0)
         axis.set(
             xscale="log",
             yscale="log",
@@ -111,6 +113,6 @@ def draw_scene(points: Sequence[Row], file: Path) -> None:
         )
         axis.set_xlim(0.8 * min(costs), 2.2 * max(costs))
         axis.grid(visible=True, which="major", lw=0.3)
-    figure.suptitle("Scenes: error that 97 % of them are within (down to the median), and what it costs")
+    figure.suptitle("Scenes: error that bounds 95 % of them (down to the median), and what it costs")
     figure.savefig(file, dpi=110)
     plt.close(figure)

@@ -17,8 +17,8 @@ from scripts import _cli
 from softhand_sim.calibration import FingerCalibration
 from softhand_sim.effects.bare import BareHand
 from softhand_sim.fidelity.fidelity import Fidelity
-from softhand_sim.fidelity.front import SCHEMA, SCHEMA_VERSION, SHARE, share_within
-from softhand_sim.fidelity.points import DEFAULT_NAME, EFFECTS, FINEST_NAME, FULL_NAME, NUMERICS, SHAPES
+from softhand_sim.fidelity.front import CONFIDENCE, SCHEMA, SCHEMA_VERSION, SHARE, bound
+from softhand_sim.fidelity.points import CANDIDATES, DEFAULT_NAME, EFFECTS, FINEST_NAME, FULL_NAME, NUMERICS, SHAPES
 from softhand_sim.fidelity.scenes import BareScene, GraspScene, LadderScene, SceneFigures, draw_scenes, error
 from softhand_sim.grasp.stage import SAMPLE_S
 from softhand_sim.grasp.trial import run_trial
@@ -35,9 +35,16 @@ Row = dict[str, Any]
 
 
 GROUPS: Mapping[str, tuple[str, ...]] = MappingProxyType(
-    {"numerics": tuple(NUMERICS), "shapes": tuple(SHAPES), "effects": tuple(EFFECTS)}
+    {
+        "candidates": CANDIDATES,
+        "numerics": tuple(name for name in NUMERICS if name not in CANDIDATES),
+        "shapes": tuple(SHAPES),
+        "effects": tuple(EFFECTS),
+    }
 )
-"""Points by kind; each kind is measured on scenes of its own number, with the default and the engine among them."""
+"""Points that are measured together; each group on scenes of its own, with the default and the engine among them."""
+FRONT_SEED = 2000
+"""Added to the seed for the candidates' scenes: not those by which they were made candidates."""
 
 
 def run_point(name: str, scene: LadderScene, calibration: FingerCalibration) -> SceneFigures:
@@ -95,6 +102,11 @@ def _runs(scene: LadderScene, names: Sequence[str], calibration: FingerCalibrati
     return {name: runs[name] for name in jobs}
 
 
+def _digits(value: float) -> float:
+    """Return six digits of an error: the file is no larger than it need be."""
+    return float(f"{_finite(value):.6g}")
+
+
 def _finite(value: float) -> float:
     return value if np.isfinite(value) else 1e9
 
@@ -118,7 +130,7 @@ def _engine(scene: GraspScene, calibration: FingerCalibration) -> Row:
 
 
 def points(rows: Sequence[Row], names: Sequence[str]) -> list[Row]:
-    """Return errors and costs of points over all scenes, one row each, JSON ready."""
+    """Return errors and costs of points over all scenes, one row each, JSON ready; candidates with every scene's."""
     rate, found = _rate(rows, ENGINE), []
     for name in names:
         errors = [error(_figures(row, name), _figures(row, base_of(name))) for row in rows]
@@ -126,12 +138,12 @@ def points(rows: Sequence[Row], names: Sequence[str]) -> list[Row]:
         held = [_figures(row, name).creep_m_per_s for row in rows if row["runs"][name]["verdict"] == "HELD"]
         point: Row = {
             "name": name,
-            "kind": next(kind for kind, members in GROUPS.items() if name in members),
+            "kind": "numerics" if name in NUMERICS else "shapes" if name in SHAPES else "effects",
             "against": base_of(name),
             "scenes": len(rows),
-            "angle_error_deg": share_within(angle),
+            "angle_error_deg": bound(angle),
             "angle_error_median_deg": float(np.median(angle)),
-            "slip_error_m": share_within(slip),
+            "slip_error_m": bound(slip),
             "slip_error_median_m": float(np.median(slip)),
             "creep_error_median_m_per_s": float(np.median([e.creep_m_per_s for e in errors])),
             "held_creep_median_m_per_s": float(np.median(held)) if held else None,
@@ -143,6 +155,9 @@ def points(rows: Sequence[Row], names: Sequence[str]) -> list[Row]:
         if name not in EFFECTS:
             fidelity = _SETTINGS[name].data()
             point["fidelity"] = {k: v for k, v in fidelity.items() if k not in ("measured", "auto_effects")}
+        if name in CANDIDATES:
+            point["scene_angle_error_deg"] = [_digits(value) for value in angle]
+            point["scene_slip_error_m"] = [_digits(value) for value in slip]
         found.append(point)
     _add_error_bar(found)
     return found
@@ -152,8 +167,8 @@ def front(found: Sequence[Row], seed: int) -> Row:
     """Return the contents of the front's file."""
     names = ("mujoco", "numpy", "softhand-sim")
     versions = {name: version(name) for name in names}
-    about = {"schema": SCHEMA, "schema_version": SCHEMA_VERSION, "seed": seed, "share_within": SHARE}
-    return {**about, "points": list(found), "versions": versions}
+    about = {"schema": SCHEMA, "schema_version": SCHEMA_VERSION, "seed": seed}
+    return {**about, "share_within": SHARE, "confidence": CONFIDENCE, "points": list(found), "versions": versions}
 
 
 def _add_error_bar(points: list[Row]) -> None:
@@ -163,7 +178,8 @@ def _add_error_bar(points: list[Row]) -> None:
         (p for p in points if p["name"] == f"0.5 ms, noslip {NUMERICS[FINEST_NAME].noslip_iterations}"), None
     )
     if finest is not None and coarser is not None:
-        for key in ("angle_error_deg", "angle_error_median_deg", "slip_error_m", "slip_error_median_m"):
+        keys = ("angle_error_deg", "angle_error_median_deg", "slip_error_m", "slip_error_median_m")
+        for key in (*keys, "scene_angle_error_deg", "scene_slip_error_m"):
             finest[key] = coarser[key]
 
 

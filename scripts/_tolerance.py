@@ -1,16 +1,25 @@
-"""``--tolerance``: the cheapest measured setting that is within it, and what is said of it."""
+"""``--tolerance`` and ``--effects``: the cheapest measured setting, a scene's effects, and what is said of them."""
 
 import argparse
+from dataclasses import replace
 
 from scripts import _cli
+from softhand_sim.effects import PRESETS
 from softhand_sim.effects.scene import Tolerance
 from softhand_sim.fidelity.fidelity import Fidelity
 
+AUTO = "auto"
+
 
 def add_tolerance(parser: argparse.ArgumentParser) -> None:
-    """Add ``--tolerance DEG,MM``."""
+    """Add ``--tolerance DEG,MM`` and ``--effects``."""
     text = "degrees and mm: the cheapest measured setting within that of the finest one (docs/accuracy.md)"
     parser.add_argument("--tolerance", type=parse_tolerance, metavar="DEG,MM", help=text)
+    text = (
+        "of the scene (default bench); auto: of full those that each scene calls for, half of the --tolerance for them "
+        "and half for the setting (docs/effects.md)"
+    )
+    parser.add_argument("--effects", choices=(*PRESETS, AUTO), default="bench", help=text)
 
 
 def parse_tolerance(text: str) -> Tolerance:
@@ -20,18 +29,23 @@ def parse_tolerance(text: str) -> Tolerance:
 
 
 def chosen_fidelity(args: argparse.Namespace) -> Fidelity:
-    """Return time step and solver: picked by ``--tolerance``, or the default ones with ``--timestep`` [ms].
+    """Return time step and solver, picked by ``--tolerance`` or the default ones with ``--timestep`` [ms], and effects.
 
     Raises
     ------
     ValueError
-        If both are given, or no measured setting is within the tolerance.
+        If both are given, no measured setting is within the tolerance, or ``--effects auto`` has none.
     """
+    auto = args.effects == AUTO
+    effects = "full" if auto else args.effects
     if args.tolerance is not None:
         if args.timestep is not None:
             raise ValueError(f"--timestep {args.timestep:g}: --tolerance picks it; give one of them")
-        return Fidelity.within(args.tolerance)
-    return Fidelity() if args.timestep is None else Fidelity(timestep_s=1e-3 * args.timestep)
+        return replace(Fidelity.within(args.tolerance, effects_too=auto), effects=effects)
+    if auto:
+        raise ValueError("--effects auto: needs --tolerance DEG,MM")
+    fidelity = Fidelity(effects=effects)
+    return fidelity if args.timestep is None else replace(fidelity, timestep_s=1e-3 * args.timestep)
 
 
 def tell_picked(fidelity: Fidelity) -> None:
@@ -42,3 +56,7 @@ def tell_picked(fidelity: Fidelity) -> None:
             f"picked: {m.name}; expected within {m.angle_error_deg:.2g} degrees and {1e3 * m.slip_error_m:.2g} mm of "
             f"the finest setting, at {m.cost_ratio:.2g} times the bare engine's cost"
         )
+    t = fidelity.auto_effects
+    if t is not None:
+        half = f"{t.angle_deg:g} degrees and {1e3 * t.slip_m:g} mm"
+        print(f"effects: those of {fidelity.effects} that a scene calls for within {half}")

@@ -24,7 +24,7 @@ EXAMPLES = """examples:
   accuracy_vs_time.py --json out/accuracy.json           # all parts; the finite elements' runs are data
   accuracy_vs_time.py scene --front assets/accuracy/front.json
   accuracy_vs_time.py --docs docs --front assets/accuracy/front.json   # the shipped page, plots and front
-  accuracy_vs_time.py scene --points "1 ms" "4 ms" --scenes 4 --json out/two.json
+  accuracy_vs_time.py scene --points "1 ms" "4 ms" --scenes 4 --front-scenes 4 --json out/two.json
 """
 PARTS = ("finger", "scene", "growth", "honour")
 PAGE = "accuracy.md"
@@ -35,7 +35,9 @@ def parser() -> _cli.Parser:
     """Return the command line."""
     p = _cli.Parser(description=__doc__, examples=EXAMPLES)
     p.add_argument("part", nargs="*", metavar="PART", help=f"of {', '.join(PARTS)} (all)")
-    p.add_argument("--scenes", type=_cli.positive_int, default=24, help="scenes of numerical settings (%(default)s)")
+    text = "scenes of the settings that a tolerance chooses among (%(default)s); 59 are the fewest that show anything"
+    p.add_argument("--front-scenes", type=_cli.positive_int, default=208, help=text)
+    p.add_argument("--scenes", type=_cli.positive_int, default=24, help="scenes of other settings (%(default)s)")
     text = "scenes of shapes, links and effects (%(default)s)"
     p.add_argument("--more-scenes", type=_cli.positive_int, default=8, help=text)
     p.add_argument("--points", nargs="+", metavar="NAME", help="points of the scene's ladder (all)")
@@ -64,7 +66,7 @@ def _job(argv: Sequence[str] | None) -> int:
     for part in parts:
         if part not in PARTS:
             raise ValueError(f"{part}: no such part; there are {', '.join(PARTS)}")
-    for path in (args.json, args.front, args.out / "numerics.json"):
+    for path in (args.json, args.front, args.out / "candidates.json"):
         _cli.check_writable(path)
     groups = _groups(args.points)
     fea = args.fea or asset_path("accuracy") / "finger_fea.json"
@@ -128,25 +130,26 @@ def _write(folder: Path, data: dict[str, Any], docs: Path | None) -> None:
 
 
 def _groups(names: Sequence[str] | None) -> dict[str, tuple[str, ...]]:
-    """Return the points asked for by kind; without names all of them."""
+    """Return the points asked for by group; without names all of them."""
     every = {name for members in _accuracy_scene.GROUPS.values() for name in members}
     unknown = [name for name in names or () if name not in every]
     if unknown:
         raise ValueError(f"--points {unknown[0]!r}: must be one of {', '.join(sorted(every))}")
     wanted = every if names is None else set(names)
     chosen = {k: tuple(n for n in members if n in wanted) for k, members in _accuracy_scene.GROUPS.items()}
-    return {kind: members for kind, members in chosen.items() if members}
+    return {group: members for group, members in chosen.items() if members}
 
 
 def _scene(args: Any, calibration: FingerCalibration, groups: Mapping[str, tuple[str, ...]]) -> list[dict[str, Any]]:
     found = []
-    for kind, names in groups.items():
-        scenes = args.scenes if kind == "numerics" else args.more_scenes
+    for group, names in groups.items():
+        scenes = {"candidates": args.front_scenes, "numerics": args.scenes}.get(group, args.more_scenes)
+        seed = args.seed + (_accuracy_scene.FRONT_SEED if group == "candidates" else 0)
         # a choice of points has a file of its own: it is no part of the whole run's
-        mark = "" if names == _accuracy_scene.GROUPS[kind] else f"-{len(names)}-points"
-        kept = args.out / f"{kind}{mark}-{args.seed}.json"
-        with tqdm(total=scenes, desc=kind, unit="scene") as bar:
-            rows = _accuracy_scene.measure(calibration, names, scenes, args.seed, kept, lambda: _tick(bar))
+        mark = "" if names == _accuracy_scene.GROUPS[group] else f"-{len(names)}-points"
+        kept = args.out / f"{group}{mark}-{seed}.json"
+        with tqdm(total=scenes, desc=group, unit="scene") as bar:
+            rows = _accuracy_scene.measure(calibration, names, scenes, seed, kept, lambda: _tick(bar))
         found += _accuracy_scene.points(rows, names)
     return found
 

@@ -51,6 +51,7 @@ EXAMPLES = """examples:
   grasp_benchmark.py --objects mug --grasps mine.toml           # your own grasps
   grasp_benchmark.py --objects apple --policy mine.npz          # reach and close by a learned policy
   grasp_benchmark.py --tolerance 2,1                            # the cheapest setting within 2 degrees and 1 mm
+  grasp_benchmark.py --effects auto --tolerance 15,25           # and of all effects those that each object calls for
   grasp_benchmark.py --trials 10 --check-steps 300 --workers 2  # do verdicts depend on the time step?
   grasp_benchmark.py --trials 100 --engine ray --ray-address auto --workers 64 --store out/run.sqlite
   grasp_benchmark.py --trials 10 --report out/grasps.html --sweeps out/mass/sweep.json
@@ -146,6 +147,8 @@ def _job(argv: Sequence[str] | None) -> int:
     )
     plan = BenchmarkPlan(
         engine=engine,
+        effects=args.fidelity.scene_effects,
+        tolerance=args.fidelity.auto_effects,
         objects=batch.models,
         trials=args.trials,
         seed=args.seed,

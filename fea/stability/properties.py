@@ -16,10 +16,10 @@ import numpy as np
 
 from fea.actuator import ActuatorMesh, actuator_lattice
 from fea.assembly import SolidModel
-from fea.geometry import FingerGeometry
+from fea.geometry import MINIMUM_WALL_M, FingerGeometry
 from fea.lattice import build_mesh
 from fea.laws import StVenantKirchhoff
-from fea.materials import load_material
+from fea.materials import LARGEST_EXPONENT, LEAST_EXPONENT, load_material
 
 REFUSED = "refused"
 _SMALL = ActuatorMesh(theta_cells=3, inner_cells=1, gap_cells=1, cap_cells=1, core_cells=1)
@@ -54,10 +54,17 @@ def geometry(**values: Any) -> str:
     return "kept"
 
 
-def material(
-    *, mu_0: float, mu_1: float, alpha_0: float, alpha_1: float, bulk: float, density: float, stretch: float, seed: int
-) -> str:
-    """Read any sheet of rubber: refused by name, or energy, stress and tangent finite up to twofold stretches."""
+def material(  # noqa: PLR0913 - each is a value of the example
+    *, shear_pa: float, second: float, alpha_0: float, alpha_1: float, signs: str, bulk: float, density: float,
+    stretch: float, seed: int,
+) -> str:  # fmt: skip
+    """Read any sheet of rubber: refused by name, or energy, stress and tangent finite up to twofold stretches.
+
+    The sheet has two Ogden terms: the first one's initial shear modulus, and the second one's as a share of that.
+    """
+    alpha_0, alpha_1 = (a if sign == "+" else -a for a, sign in zip((alpha_0, alpha_1), signs, strict=True))
+    # half of mu alpha is a term's part of the initial shear modulus
+    mu_0, mu_1 = (2.0 * part / a if a else math.nan for part, a in ((shear_pa, alpha_0), (second * shear_pa, alpha_1)))
     sheet = "\n".join(
         [
             'name = "any"', 'law = "ogden"', 'convention = "mu_over_alpha"', 'default_set = "one"', 'source = "any"',
@@ -103,14 +110,17 @@ SOLID_PROPERTIES: Mapping[str, SolidProperty] = {
     for one in (
         SolidProperty(
             name="geometry",
-            spans=_around(FingerGeometry(), 0.98, 1.12) | {"ring_count": (0, 14), "actuator_length_m": (0.06, 0.12)},
+            spans=_around(FingerGeometry(), 0.98, 1.12)
+            | {name: (MINIMUM_WALL_M, 1.12 * MINIMUM_WALL_M) for name in ("tube_wall_m", "end_plate_m")}
+            | {"ring_count": (0, 14), "actuator_length_m": (0.08, 0.12)},
             check=geometry,
             weight=2,
         ),
         SolidProperty(
             name="material",
             spans={
-                "mu_0": (-1e6, 1e6), "mu_1": (-1e5, 1e5), "alpha_0": (-8.0, 8.0), "alpha_1": (-8.0, 8.0),
+                "shear_pa": (1e2, 1e8), "second": (-1.1, 5.0), "alpha_0": (LEAST_EXPONENT, LARGEST_EXPONENT),
+                "alpha_1": (LEAST_EXPONENT, LARGEST_EXPONENT), "signs": ("++", "+-", "-+", "--"),
                 "bulk": (0.1, 1e5), "density": (1.0, 2e4), "stretch": (1.0, 2.0), "seed": (0, 9999),
             },
             check=material,

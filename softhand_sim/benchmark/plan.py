@@ -6,6 +6,7 @@ from pathlib import Path
 
 from softhand_sim.calibration import load_calibration
 from softhand_sim.effects import BENCH, Effects
+from softhand_sim.effects.scene import Tolerance
 from softhand_sim.grasp.choice.shipped import default_grasp
 from softhand_sim.grasp.plan import GraspPlan
 from softhand_sim.grasp.protocol import GraspProtocol
@@ -39,6 +40,7 @@ class BenchmarkPlan:
     calibration: finger calibration file; None for the shipped one.
     control: calibration file that set pressures are looked up in; None for that of the fingers.
     protocol, engine, effects: what a trial does, the engine's settings, and the effects of the scene.
+    tolerance: within it each scene leaves out the effects that it does not call for; None: it has all of them.
     grasps: by the name of the object; the others get their `default_grasp`.
     policy: reaches and closes in the place of the script; None for the script.
     replays: folder for the replay files of trials that a guard ends.
@@ -52,6 +54,7 @@ class BenchmarkPlan:
     protocol: GraspProtocol = field(default_factory=load_protocol)
     engine: EngineSettings = field(default_factory=EngineSettings)
     effects: Effects = BENCH
+    tolerance: Tolerance | None = None
     grasps: Mapping[str, GraspPlan] = field(default_factory=dict)
     policy: Policy | None = None
     replays: Path | None = None
@@ -115,6 +118,7 @@ def prepare_for(plan: BenchmarkPlan, model: ObjectModel) -> TrialSetup:
         protocol=plan.protocol,
         engine=plan.engine,
         effects=plan.effects,
+        tolerance=plan.tolerance,
         control=control,
         plan=plan.grasp(model),
     )

@@ -140,11 +140,13 @@ def conditions(plan: BenchmarkPlan) -> dict[str, Any]:
     file = plan.calibration or asset_path("calibration", "finger.json")
     control = {} if plan.control is None else {"control_sha256": hashlib.sha256(plan.control.read_bytes()).hexdigest()}
     policy = {} if plan.policy is None else {"policy_sha256": hashlib.sha256(dump_policy(plan.policy)).hexdigest()}
+    tolerance = {} if plan.tolerance is None else {"tolerance": asdict(plan.tolerance)}
     return {
         "protocol": repr(plan.protocol),
         "engine": asdict(plan.engine),
         "effects": repr(plan.effects),
         "calibration_sha256": hashlib.sha256(file.read_bytes()).hexdigest(),
+        **tolerance,
         **control,
         **policy,
         "mujoco_version": version("mujoco"),

@@ -125,6 +125,13 @@ def choose(
     return replace(scene.offered, **dict.fromkeys(gone)), tuple(sorted(answers, key=lambda a: order.index(a.name)))
 
 
+def declared(scene: SceneFacts, kept: Effects, tolerance: Tolerance) -> tuple[float, float]:
+    """Return what a scene with some effects differs by at most: angle [deg] and slip [m] (`choose`)."""
+    estimates = {name: QUESTIONS[name](scene) for name in scene.offered.present}
+    gone = [name for name in estimates if name not in kept.present]
+    return _Bound(scene, tolerance, estimates).of(gone) if gone else (0.0, 0.0)
+
+
 def _absent(name: str) -> str:
     return "no leak is declared" if name == "leaks" else "not offered"
 

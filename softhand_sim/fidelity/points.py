@@ -34,7 +34,22 @@ NUMERICS: Mapping[str, Fidelity] = MappingProxyType(
         "2 ms, impratio 100": replace(_D, impratio=100.0),
     }
 )
-"""Time step, integrator, cone, impratio and noslip: what `Fidelity.for_tolerance` chooses among."""
+"""Time step, integrator, cone, impratio and noslip."""
+
+CANDIDATES = (
+    FINEST_NAME,
+    "0.5 ms, noslip 10",
+    "1 ms, noslip 10",
+    "2 ms, noslip 10",
+    DEFAULT_NAME,
+    "4 ms",
+    "4 ms, noslip 10",
+    "5 ms",
+    "8 ms",
+    "2 ms, impratio 100",
+)
+"""What `Fidelity.for_tolerance` chooses among. Choice: those that on 24 scenes no other one beat in cost and in angle
+or slip, the default, and ten noslip iterations at 2 and 4 ms; the others need no more scenes."""
 
 SHAPES: Mapping[str, Fidelity] = MappingProxyType(
     {

@@ -37,15 +37,19 @@ class Outside(NamedTuple):
     leaks: tuple[Orifice | None, ...]
 
 
-def vessels(element: Element, gas: ElementGas, volumes_m3: Sequence[float]) -> list[Vessel]:
-    """Return the element's vessels at the chambers' volumes [m3], one of each finger."""
+def vessel_shapes(element: Element, volumes_m3: Sequence[float]) -> list[tuple[float, float]]:
+    """Return volume at no pressure [m3] and growth with it [m3/Pa] of each vessel at the chambers' volumes."""
     bulging, ambient = element.compliance_m3_per_pa, element.ambient_pa_abs
     if element.tubing is None:
-        shapes = [(sum(volumes_m3) + element.dead_volume_m3 - bulging * ambient, bulging)]
-    else:
-        n, half = len(volumes_m3), element.tubing.half_finger_m3()
-        shapes = [(element.dead_volume_m3 - n * half, 0.0)]
-        shapes += [(volume + half - bulging / n * ambient, bulging / n) for volume in volumes_m3]
+        return [(sum(volumes_m3) + element.dead_volume_m3 - bulging * ambient, bulging)]
+    n, half = len(volumes_m3), element.tubing.half_finger_m3()
+    shapes = [(element.dead_volume_m3 - n * half, 0.0)]
+    return shapes + [(volume + half - bulging / n * ambient, bulging / n) for volume in volumes_m3]
+
+
+def vessels(element: Element, gas: ElementGas, volumes_m3: Sequence[float]) -> list[Vessel]:
+    """Return the element's vessels at the chambers' volumes [m3], one of each finger."""
+    shapes = vessel_shapes(element, volumes_m3)
     return [Vessel(element, *each) for each in zip(gas.mass_kg, gas.invariant, shapes, strict=True)]
 
 

@@ -16,11 +16,13 @@ from softhand_sim.pneumatics.delay import ValveDelay, moved
 from softhand_sim.pneumatics.element import Element
 from softhand_sim.pneumatics.flow import Flow, LumpedFlow, NetworkFlow
 from softhand_sim.pneumatics.leak import Leak
+from softhand_sim.pneumatics.network import vessel_shapes
 from softhand_sim.pneumatics.noise import NumberedNoise
 from softhand_sim.pneumatics.sensor import PressureSensor
 from softhand_sim.pneumatics.state import PneumaticState
 from softhand_sim.pneumatics.supply import Supply
 from softhand_sim.pneumatics.tube import tube_volume_m3
+from softhand_sim.pneumatics.vessel import require_gas
 
 Values = Sequence[float] | npt.NDArray[np.float64]
 
@@ -113,10 +115,15 @@ class PneumaticSystem:
             Source of the sensors' noise; one integer is drawn from it.
         pressure_pa_gauge
             Pressure of every element [Pa gauge].
+
+        Raises
+        ------
+        ValueError
+            If a volume or the pressure is out of range, or an element with heat bulges by more than a volume.
         """
         require_finite("pressure_pa_gauge", pressure_pa_gauge, at_least=0.0)
         pressures = tuple(element.ambient_pa_abs + pressure_pa_gauge for element in self.elements)
-        gas = self._flow.fill(_checked_volumes(volumes_m3), pressures)
+        gas = self._flow.fill(self._checked_volumes(volumes_m3), pressures)
         return PneumaticState(
             time_to_tick_s=0.0,
             ticks=0,
@@ -149,12 +156,13 @@ class PneumaticSystem:
         Raises
         ------
         ValueError
-            If a volume or ``dt`` is not a positive number, a set pressure is outside 0 to the supply's or the
-            sensor's range, or the controller's answer is not what `Controller` promises.
+            If a volume or ``dt`` is not a positive number, ``dt`` is too long for what flows (`require_gas`), a set
+            pressure is outside 0 to the supply's or the sensor's range, or the controller's answer is not what
+            `Controller` promises.
         """
         if not 0.0 < dt <= LONGEST_STEP_S:
             raise ValueError(f"dt = {dt!r}: must be a number of seconds in (0, {LONGEST_STEP_S:g}]")
-        volumes = _checked_volumes(volumes_m3)
+        volumes = self._checked_volumes(volumes_m3)
         to_tick, remaining = state.time_to_tick_s, dt
         while True:
             if to_tick <= _TIME_TOLERANCE_S:
@@ -165,6 +173,7 @@ class PneumaticSystem:
                 event = min(event, self._next_event_s(state))
             part = remaining if remaining <= event + _TIME_TOLERANCE_S else event
             gas = self._flow.advance(state, volumes, part)
+            require_gas((*gas.mass_kg, *gas.chamber_mass_kg), dt)
             to_tick -= part
             state = PneumaticState(
                 to_tick, state.ticks, state.noise_seed, gas.mass_kg, gas.pressure_pa_abs, state.readings_pa_abs,
@@ -184,6 +193,21 @@ class PneumaticSystem:
             return tuple(p - a for p, a in zip(state.chamber_pa_abs, ambient, strict=True))
         gauge = [p - e.ambient_pa_abs for p, e in zip(state.pressure_pa_abs, self.elements, strict=True)]
         return spread_to_fingers(gauge)
+
+    def _checked_volumes(self, volumes_m3: Values) -> Sequence[float]:
+        """Return the chamber volumes [m3] per finger (5,)."""
+        fingers = _checked_volumes(volumes_m3)
+        for name, element, members in zip(ELEMENTS, self.elements, FINGERS_OF_ELEMENT, strict=True):
+            if element.thermal is None or element.compliance_m3_per_pa == 0.0:
+                continue
+            own = [fingers[i] for i in members]
+            # the law of compression has no solution where nothing would be left of a volume without pressure
+            if min(stiff for stiff, growth in vessel_shapes(element, own) if growth > 0.0) <= 0.0:
+                raise ValueError(
+                    f"compliance_m3_per_pa = {element.compliance_m3_per_pa!r}: {name} must bulge by less than its "
+                    f"chambers' volumes, {own} m3, from no pressure to ambient"
+                )
+        return fingers
 
     def restore(self, flat: npt.NDArray[np.float64]) -> PneumaticState:
         """Return the state that ``PneumaticState.to_array`` saved under this system, bit for bit."""

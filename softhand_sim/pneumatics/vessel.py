@@ -1,6 +1,7 @@
 """One vessel of an element's network during one step, and the heat that flows with the gas."""
 
 import math
+from collections.abc import Iterable
 
 from softhand_sim.pneumatics.balance import Link
 from softhand_sim.pneumatics.element import Element
@@ -46,9 +47,22 @@ class Vessel:
         return _cooled(self, self.thermal, pressure_pa_abs, mass_kg, dt)
 
 
+def require_gas(masses_kg: Iterable[float], dt: float) -> None:
+    """Raise a ValueError if any mass after a step of ``dt`` [s] is not positive.
+
+    Gas that leaves has the temperature of the step's start: where many times a vessel's content flows through in a part
+    of a step, as with both valves of a thousand times the usual size open, more may leave than came.
+    """
+    if not all(mass > 0.0 for mass in masses_kg):
+        raise ValueError(
+            f"dt = {dt!r}: many times an element's gas flows through it; must be shorter, or valves smaller"
+        )
+
+
 def _cooled(
     vessel: Vessel, thermal: Polytropic, pressure_pa_abs: float, mass_kg: float, dt: float
 ) -> tuple[float, float, float]:
+    require_gas((mass_kg,), dt)
     cold = mass_kg * vessel.rt
     excess = pressure_pa_abs * (vessel.stiff + vessel.compliance * pressure_pa_abs) - cold
     p = positive_root(vessel.compliance, vessel.stiff, cold + excess * thermal.kept_share(dt))

@@ -149,6 +149,9 @@ def test_script_writes_the_table(tmp_path, capsys):
     assert not rows["gravity"]["active"]
     assert {"name", "active", "reason", "omission_error"} <= set(rows["sensor"])
     assert "degrees" in capsys.readouterr().out
+    # half of the tolerance is the setting's, which is told as well
+    assert data["fidelity"]["auto_effects"]["angle_deg"] == 0.5 * data["tolerance_angle_deg"]
+    assert data["fidelity"]["measured"]["angle_error_deg"] <= 0.5 * data["tolerance_angle_deg"]
     assert main(["--with", "nothing"]) == 2
     assert "force" in capsys.readouterr().err
 

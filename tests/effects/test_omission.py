@@ -60,7 +60,7 @@ def test_script_holds_every_omission_against_what_was_declared(tmp_path, capsys)
     assert max(row["angle_deg"] for row in rows) > 1.0
     assert "declared" in capsys.readouterr().out
     assert main(["--objects", "nothing"]) == 2
-    assert main(["--step"]) == 2
+    assert main(["--effects-alone"]) == 2
 
 
 def test_a_bare_hand_that_is_held_long_needs_little(calibration):
@@ -89,8 +89,15 @@ def test_bad_bare_hands_are_named():
 def test_a_tolerance_picks_effects_and_time_step_and_both_together_stay_within_it(tmp_path, capsys):
     out = tmp_path / "auto.json"
     scene = ["--objects", ",", "--bare", "1", "--seed", "300"]
-    assert main([*scene, "--auto", "--step", "--angle", "15", "--slip", "25", "--json", str(out)]) == 0
-    (row,) = json.loads(out.read_text())["comparisons"]
+    assert main([*scene, "--auto", "--angle", "15", "--slip", "25", "--json", str(out)]) == 0
+    data = json.loads(out.read_text())
+    (row,) = data["comparisons"]
+    half = data["fidelity"]["auto_effects"]
+    assert half == {"angle_deg": 7.5, "slip_m": 0.0125}
+    # what is declared is of both: the effects' share of it, and the setting's own error
+    setting = data["fidelity"]["measured"]["angle_error_deg"]
+    assert setting <= 7.5
+    assert row["angle_deg"] <= row["declared_deg"] <= half["angle_deg"] + setting
     assert "gas" not in row["effects_kept"]
     assert 0.0 < row["angle_deg"] <= 15.0
     step_ms = float(capsys.readouterr().out.split("time step ")[1].split(" ms")[0])

@@ -7,8 +7,8 @@ import pytest
 
 from scripts import _accuracy_finger, _accuracy_growth, _accuracy_honour, _accuracy_page, accuracy_fea, accuracy_vs_time
 from softhand_sim.effects.scene import Tolerance
-from softhand_sim.fidelity.fidelity import FINEST, Fidelity
-from softhand_sim.fidelity.front import Front, Measured
+from softhand_sim.fidelity.fidelity import FINEST, Fidelity, load_front
+from softhand_sim.fidelity.front import Front, Measured, SceneErrors
 
 
 def test_a_finite_element_rung_goes_on_and_lends_its_steps_to_the_blocked_one(tmp_path, monkeypatch):
@@ -72,14 +72,18 @@ def test_the_choice_is_tried_on_unseen_scenes(calibration, tmp_path, monkeypatch
         Fidelity(timestep_s=FINEST.timestep_s, noslip_iterations=FINEST.noslip_iterations, measured=exact),
         Fidelity(timestep_s=8e-3, measured=boast),
     )
-    tolerances = [Tolerance(angle_deg=a, slip_m=1e-3) for a in (1e-6, 1e-3)]
+    errors = tuple(SceneErrors(angle_deg=np.full(59, a), slip_m=np.zeros(59)) for a in (1e-12, 1e-3))
+    front = Front(points=points, errors=errors)
+    tolerances = [Tolerance(angle_deg=a, slip_m=1e-3) for a in (1e-13, 1e-6, 1e-3)]
     kept = tmp_path / "unseen.json"
-    honest, boasting = _accuracy_honour.honour(calibration, Front(points=points), tolerances, 1, 0, kept, lambda: None)
+    refused, honest, boasting = _accuracy_honour.honour(calibration, front, tolerances, 1, 0, kept, lambda: None)
+    assert "no measured setting" in refused["refused"]
     assert (honest["picked"]["name"], honest["honoured"]) == ("exact", 1)
     assert (boasting["picked"]["name"], boasting["honoured"]) == ("boast", 0)
     assert boasting["processor_s"] < honest["processor_s"]
-    again = _accuracy_honour.honour(calibration, Front(points=points), tolerances, 1, 0, kept, lambda: None)
-    assert again == [honest, boasting]
+    again = _accuracy_honour.honour(calibration, front, tolerances, 1, 0, kept, lambda: None)
+    assert again == [refused, honest, boasting]
+    assert "| 1e-13 degrees, 1 mm | refused |" in _accuracy_page.honour(again)
 
 
 @pytest.mark.parametrize(
@@ -95,10 +99,13 @@ def test_scene_points_are_measured_against_the_finest(tmp_path, capsys):
     """One point on one scene through the command line: the file is a front that can be chosen from."""
     del capsys
     out, front = tmp_path / "out", tmp_path / "front.json"
-    command = ["scene", "--points", "8 ms", "--scenes", "1", "--out", str(out), "--front", str(front)]
+    command = ["scene", "--points", "8 ms", "--front-scenes", "1", "--out", str(out), "--front", str(front)]
     assert accuracy_vs_time.main(command) == 0
     (point,) = json.loads(front.read_text())["points"]
     assert point["against"] == "0.25 ms, noslip 10"
     assert 0.0 < point["angle_error_median_deg"] <= point["angle_error_deg"]
     assert np.isfinite(point["cost_ratio"])
+    assert point["scene_angle_error_deg"] == pytest.approx([point["angle_error_deg"]], rel=1e-5)
+    with pytest.raises(ValueError, match="no measured setting is known to be within it"):
+        load_front(front).for_tolerance(Tolerance(angle_deg=90.0, slip_m=1.0))
     assert (out / "accuracy-scene.png").stat().st_size > 1000
