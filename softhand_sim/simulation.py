@@ -29,9 +29,13 @@ _BAD = (
     mujoco.mjtWarning.mjWARN_BADQVEL,
     mujoco.mjtWarning.mjWARN_BADQACC,
     mujoco.mjtWarning.mjWARN_BADCTRL,
+    mujoco.mjtWarning.mjWARN_INERTIA,
 )
-INSTABILITY = tuple(int(kind) for kind in _BAD)
-"""Numbers of the warnings that mean a diverged world: values that are no numbers, replaced by the engine."""
+MEMORY_FULL = int(mujoco.mjtWarning.mjWARN_CONTACTFULL), int(mujoco.mjtWarning.mjWARN_CNSTRFULL)
+"""Numbers of the warnings that contacts or constraints were left out, as the engine's memory was full."""
+INSTABILITY = (*(int(kind) for kind in _BAD), *MEMORY_FULL)
+"""Numbers of the warnings after which a world is no longer the one that was asked for: values that are no numbers,
+replaced by the engine; a singular inertia; and `MEMORY_FULL`."""
 
 
 def default_pneumatics(calibration: FingerCalibration) -> PneumaticSystem:

@@ -19,7 +19,7 @@ class Outcome(StrEnum):
     DROPPED: it left the table with the hand and was lost before the end.
     MISSED: it never left the table.
     CRASHED: the process that ran it died, twice.
-    DIVERGED: the simulation became non-finite or the engine reported an instability.
+    DIVERGED: the simulation became non-finite or the engine reported an instability, or memory too full for a contact.
     UNBALANCED: a guard saw mechanical energy appear from nowhere.
     EXTRAPOLATED: a guard saw a joint or a pressure far beyond what the finger was calibrated for.
 

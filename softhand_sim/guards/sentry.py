@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from softhand_sim.guards.energy import EnergyBook
 from softhand_sim.guards.limits import Alarm, AlarmKind, Guards
-from softhand_sim.simulation import INSTABILITY, HandSimulation
+from softhand_sim.simulation import INSTABILITY, MEMORY_FULL, HandSimulation
 
 
 @dataclass(kw_only=True)
@@ -46,6 +46,9 @@ class Sentry:
         quiet = self._warnings.tobytes() == self._no_warnings
         if (quiet and self.limits.energy_j is not None) or not self.simulation.diverged:
             return None
+        full = float(sum(self._warnings[kind] for kind in MEMORY_FULL))
+        if full:
+            return self._raise(AlarmKind.DIVERGED, "warnings_of_full_memory", full, 0.0)
         number = float(sum(self._warnings[kind] for kind in INSTABILITY))
         return self._raise(AlarmKind.DIVERGED, "warnings_of_instability", number, 0.0)
 

@@ -3,6 +3,7 @@
 import dataclasses
 import json
 
+import mujoco
 import numpy as np
 import pytest
 
@@ -89,6 +90,20 @@ def test_each_guard_fires_and_its_file_repeats_the_alarm_to_the_bit(name, calibr
     assert again.same
     assert again.saved.kind is AlarmKind(outcome.value)
     assert (again.about["object"], again.about["seed"]) == (thing, 0)
+
+
+def test_contacts_left_out_for_want_of_memory_are_no_verdict(calibration, tmp_path):
+    """24 kB of memory hold no constraints: the engine says so and goes on without, and fingers sink into the apple."""
+    setup = prepare(make_object("apple"), calibration, protocol=SHORT)
+    xml = setup.scene.xml.replace("<worldbody>", '<size memory="24K"/><worldbody>', 1)
+    scene = dataclasses.replace(setup.scene, xml=xml, model=mujoco.MjModel.from_xml_string(xml))
+    result = run_trial(dataclasses.replace(setup, scene=scene, guards=NONE), 0, replays=tmp_path)
+    assert result.outcome is Outcome.DIVERGED
+    assert "warnings_of_full_memory" in result.alarm
+    assert result.engine_warnings["mjWARN_CNSTRFULL"] > 0
+    again = repeat(tmp_path / result.replay)
+    assert again.same
+    assert again.seen.quantity == "warnings_of_full_memory"
 
 
 def test_without_guards_the_same_trials_end_with_a_verdict(calibration):

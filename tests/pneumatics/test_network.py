@@ -480,3 +480,41 @@ def test_bad_features_are_named():
     for name, value in (("exponent", 1.0), ("exponent", 1.5), ("wall_time_constant_s", 0.0)):
         with pytest.raises(ValueError, match=name):
             Polytropic(**{name: value})
+
+
+@pytest.mark.parametrize("compiled", [True, False])
+def test_more_flow_through_an_element_than_can_be_followed_is_named(compiled, monkeypatch):
+    """Both valves eight hundred times the usual size in a step of 18 ms: hypothesis found gas that was no number."""
+    if not compiled:
+        monkeypatch.setattr("softhand_sim.pneumatics.system._network_flow", lambda network: network.flow())
+    valve = Orifice(sonic_conductance_m3_per_s_pa=4.14e-8, critical_pressure_ratio=0.0)
+    element = Element(
+        inlet=valve, outlet=valve, dead_volume_m3=0.0, supply_pa_abs=22e3, ambient_pa_abs=1.1e3,
+        thermal=Polytropic(wall_time_constant_s=1.0),
+    )  # fmt: skip
+    system = PneumaticSystem(
+        elements=(element,) * 3, sensor=None, controller=Script((False, True), (True, True)),
+        supply=Supply(volume_m3=6.7e-3),
+    )  # fmt: skip
+
+    def least_mass_kg(dt):
+        state, masses = system.reset([6.1e-6] * 5, np.random.default_rng(0)), []
+        for _ in range(round(0.2 / dt)):
+            state = system.step(state, [6.1e-6] * 5, [0.0] * 3, dt)
+            masses += state.mass_kg
+        return min(masses)
+
+    with pytest.raises(ValueError, match=r"dt = 0\.0+18: many times an element's gas flows through it"):
+        least_mass_kg(0.018)
+    # steps that it can be followed in are no trouble
+    assert least_mass_kg(5e-4) > 0.0
+
+
+def test_chambers_that_bulge_by_more_than_their_volume_are_named():
+    element = Element(compliance_m3_per_pa=1e-11, dead_volume_m3=0.0, thermal=Polytropic())
+    system = PneumaticSystem(elements=(element,) * 3)
+    with pytest.raises(ValueError, match="compliance_m3_per_pa = 1e-11: thumb must bulge by less"):
+        system.reset([1e-6] * 5, np.random.default_rng(0))
+    state = system.reset([2e-6] * 5, np.random.default_rng(0))
+    with pytest.raises(ValueError, match="compliance_m3_per_pa"):
+        system.step(state, [1e-6] * 5, [0.0] * 3, 2e-3)
