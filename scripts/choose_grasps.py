@@ -29,6 +29,7 @@ from softhand_sim.grasp.protocol_file import load_protocol
 from softhand_sim.hand.anatomy import HandAnatomy
 from softhand_sim.objects.catalogue import make_object
 
+Chosen = Mapping[str, tuple[ProvenGrasp, float]]
 MOST_TRIED = 24
 """Choice: grasps of all searches of an object that go through full trials."""
 EXAMPLES = """examples:
@@ -52,7 +53,8 @@ def parser() -> _cli.Parser:
     p.add_argument("--beside", type=Path, nargs="+", default=[], metavar="FILE", help=text)
     p.add_argument("--workers", type=_cli.positive_int, default=1, help="processes side by side (default 1)")
     p.add_argument("--calibration", type=Path, help="finger calibration (default: the shipped one)")
-    p.add_argument("--out", type=Path, default=Path("out/grasps.toml"), help="file (default %(default)s)")
+    text = "file; grasps of other objects that it has stay in it (default %(default)s)"
+    p.add_argument("--out", type=Path, default=Path("out/grasps.toml"), help=text)
     p.add_common(seed="seed of the searches", json="scores and closings of each object")
     return p
 
@@ -76,15 +78,29 @@ def _job(argv: Sequence[str] | None) -> int:
     choose = partial(_chosen, calibration=calibration, args=args, beside=beside)
     context = multiprocessing.get_context("spawn")
     chosen: dict[str, tuple[ProvenGrasp, float]] = {}
+    before = _before(args, calibration)
     with ProcessPoolExecutor(args.workers, mp_context=context) as pool:
         jobs = {pool.submit(choose, name): name for name in names}
         for job in tqdm(as_completed(jobs), total=len(names), unit="object"):
             chosen[jobs[job]] = job.result()
             tqdm.write(_told(jobs[job], *job.result()))
             # a killed run leaves the objects that are done
-            _write(args, calibration, {name: chosen[name] for name in names if name in chosen})
+            done = {name: chosen[name] for name in names if name in chosen}
+            _write(args, before, _file(args, calibration, done), done)
     print(args.out)
     return 0
+
+
+def _before(args: argparse.Namespace, calibration: Path) -> GraspFile | None:
+    """Return what the file has; raise ValueError, before any search, if that is of another hand or finger."""
+    if not args.out.exists():
+        return None
+    before = load_grasps(args.out)
+    try:
+        before.joined(_file(args, calibration, {}))
+    except ValueError as error:
+        raise ValueError(f"{args.out}: {error}; remove it, or give another --out") from error
+    return before
 
 
 def _told(name: str, grasp: ProvenGrasp, cpu_s: float) -> str:
@@ -92,14 +108,18 @@ def _told(name: str, grasp: ProvenGrasp, cpu_s: float) -> str:
     return f"{name:<20} closings {grasp.kept.closings}  trials {grasp.trials}  {cpu_s:.0f} s of processor  {held}"
 
 
-def _write(args: argparse.Namespace, calibration: Path, chosen: Mapping[str, tuple[ProvenGrasp, float]]) -> None:
-    file = GraspFile(
+def _file(args: argparse.Namespace, calibration: Path, chosen: Chosen) -> GraspFile:
+    return GraspFile(
         grasps={name: grasp.kept for name, (grasp, _) in chosen.items()},
         hand_sha256=hand_sha256(HandAnatomy()),
         calibration_sha256=sha256(calibration.read_bytes()).hexdigest(),
         command=_command(args),
     )
-    write_grasps(args.out, file)
+
+
+def _write(args: argparse.Namespace, before: GraspFile | None, file: GraspFile, chosen: Chosen) -> None:
+    """Write the grasps, beside those of other objects that the file had, and the figures."""
+    write_grasps(args.out, file if before is None else before.joined(file))
     if args.json is not None:
         rows = {name: _row(*one) for name, one in chosen.items()}
         _cli.write_json(args.json, {"objects": rows, "seed": args.seed, "search": args.search, "trials": TRIALS})

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from assets import asset_path
+from scripts import choose_grasps
 from softhand_sim.grasp.choice import kept
 from softhand_sim.grasp.choice.grasp_file import GraspFile, KeptGrasp, load_grasps, rounded, write_grasps
 from softhand_sim.grasp.choice.kept import kept_or_searched
@@ -35,6 +36,28 @@ def test_round_trip(tmp_path):
     write_grasps(tmp_path / "g.toml", file)
     assert load_grasps(tmp_path / "g.toml") == file
     assert np.allclose(rounded(PLAN).wrist_pose, PLAN.wrist_pose, atol=1e-5)
+
+
+def test_later_grasps_join_those_of_other_objects_but_not_of_another_hand():
+    one = KeptGrasp(plan=rounded(PLAN))
+    other = dataclasses.replace(one, score=0.5, closings=9)
+    before = GraspFile(grasps={"mug": one, "pear": one}, hand_sha256="abc", command="first")
+    now = GraspFile(grasps={"pear": other, "apple": other}, hand_sha256="abc", command="second")
+    both = before.joined(now)
+    assert both.grasps == {"apple": other, "mug": one, "pear": other}
+    assert both.command == "first; later second"
+    assert both.joined(now) == both
+    assert both.joined(now).command == both.command
+    with pytest.raises(ValueError, match="hand_sha256 = 'xyz'"):
+        before.joined(dataclasses.replace(now, hand_sha256="xyz"))
+
+
+def test_choosing_refuses_to_overwrite_a_file_of_another_hand(tmp_path, capsys):
+    file = tmp_path / "g.toml"
+    file.write_text(GOOD)
+    assert choose_grasps.main(["--objects", "apple", "--out", str(file)]) != 0
+    assert "another --out" in capsys.readouterr().err
+    assert file.read_text() == GOOD
 
 
 def test_a_file_of_ones_own(tmp_path):

@@ -3,7 +3,7 @@
 import os
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -52,6 +52,24 @@ class GraspFile:
     hand_sha256: str = ""
     calibration_sha256: str = ""
     command: str = field(default="", compare=False)
+
+    def joined(self, later: "GraspFile") -> "GraspFile":
+        """Return these grasps with later ones, which take the place of those of the same objects.
+
+        Raises
+        ------
+        ValueError
+            If the later ones were searched with another hand or finger.
+        """
+        for name in ("hand_sha256", "calibration_sha256"):
+            if getattr(self, name) != getattr(later, name):
+                raise ValueError(
+                    f"{name} = {getattr(later, name)!r}: must be that of the grasps there, {getattr(self, name)!r}"
+                )
+        grasps = {**self.grasps, **later.grasps}
+        texts = (self.command, later.command) if later.command not in self.command else (self.command,)
+        command = "; later ".join(text for text in texts if text)
+        return replace(later, grasps=dict(sorted(grasps.items())), command=command)
 
 
 def load_grasps(path: Path) -> GraspFile:
