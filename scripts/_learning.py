@@ -74,8 +74,6 @@ class LearningConfig:
         Catalogue names: trained on, and only evaluated.
     position_m, yaw_rad
         Largest displacement of the object along x and y [m], and turn [rad].
-    timestep_s
-        Of the engine while training [s].
     episodes
         To train for.
     workers
@@ -93,7 +91,6 @@ class LearningConfig:
     unseen: tuple[str, ...]
     position_m: float
     yaw_rad: float
-    timestep_s: float
     episodes: int
     workers: int
     decisions: ReachSpec
@@ -107,7 +104,6 @@ class LearningConfig:
         for name in (*self.objects, *self.unseen):
             if name not in known:
                 raise ValueError(f"objects, unseen: {name!r} is not in the catalogue")
-        require_in("timestep_s", self.timestep_s, 1e-3, 4e-3)
         require_in("episodes", self.episodes, 1, 10_000_000)
         require_in("workers", self.workers, 1, 256)
         _ = self.randomization

@@ -23,7 +23,6 @@ from tqdm import tqdm
 
 from envs.reach import PRIVILEGED, ReachEnv
 from scripts._learning import LearningConfig
-from softhand_sim.hand.scene import EngineSettings
 from softhand_sim.policy.network import Network
 from softhand_sim.policy.policy_file import Policy
 
@@ -154,5 +153,4 @@ def _world(config: LearningConfig) -> ReachEnv:
         privileged=True,
         objects=config.objects,
         randomization=config.randomization,
-        engine=EngineSettings(timestep_s=config.timestep_s),
     )

@@ -14,6 +14,8 @@ from softhand_sim.hand.hand import add_hand
 
 INTEGRATORS, CONES = ("Euler", "implicit", "implicitfast", "RK4"), ("pyramidal", "elliptic")
 """The engine's integrators and friction cones by their names in MJCF."""
+JACOBIANS = ("dense", "sparse")
+"""Storage of the solver's matrices; the results are the same but for rounding."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -22,6 +24,14 @@ class EngineSettings:
 
     At 2 ms none of its verdicts differed from 0.5 ms, at 4 ms five did; pyramidal cones flipped eight and creep
     by design; three noslip iterations cut the creep of a held object to a third.
+
+    ``jacobian``, ``islands`` (parts of the scene that do not touch are solved apart) and ``tolerance`` (MJCF's, of the
+    solver's end) change time and rounding only.
+
+    Raises
+    ------
+    ValueError
+        If a name is unknown or a number out of range; the message names it.
     """
 
     timestep_s: float = 0.002
@@ -30,13 +40,18 @@ class EngineSettings:
     gravity_m_per_s2: float = 9.81
     integrator: str = "implicitfast"
     cone: str = "elliptic"
+    jacobian: str = "dense"
+    islands: bool = True
+    tolerance: float = 1e-8
 
     def __post_init__(self) -> None:
-        for name, allowed in (("integrator", INTEGRATORS), ("cone", CONES)):
+        for name, allowed in (("integrator", INTEGRATORS), ("cone", CONES), ("jacobian", JACOBIANS)):
             if getattr(self, name) not in allowed:
                 raise ValueError(f"{name}: {getattr(self, name)!r} must be one of {', '.join(allowed)}")
         if not 1e-4 <= self.timestep_s <= 8e-3:
             raise ValueError(f"timestep_s: {self.timestep_s} must lie in [0.0001, 0.008]")
+        if not 0.0 <= self.tolerance <= 1e-3:
+            raise ValueError(f"tolerance: {self.tolerance} must lie in [0, 0.001]")
 
 
 STICKY_FRICTION, STICKY_NOSLIP_ITERATIONS = 1.0, 30
@@ -75,9 +90,12 @@ def empty_root(name: str, settings: EngineSettings) -> mjcf.RootElement:
         cone=settings.cone,
         impratio=settings.impratio,
         noslip_iterations=settings.noslip_iterations,
-        jacobian="dense",
+        jacobian=settings.jacobian,
+        tolerance=settings.tolerance,
         gravity=(0.0, 0.0, -settings.gravity_m_per_s2),
     )
+    if not settings.islands:
+        root.option.flag.island = "disable"
     return root
 
 

@@ -53,7 +53,7 @@ def test_a_bad_policy_is_one_line(tmp_path, capsys):
         ("strange = 1", "strange"),
         ("position_m = 0.5", "position_m"),
         ("workers = 1.5", "workers"),
-        ("timestep_s =", "config.toml"),
+        ("yaw_rad =", "config.toml"),
     ],
 )
 def test_a_bad_configuration_is_named_before_anything_starts(tmp_path, capsys, line, named):
