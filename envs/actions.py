@@ -107,7 +107,7 @@ class ActionSpec:
             wrong, allowed = (values != 0.0) & (values != 1.0), "0 or 1"
         else:
             wrong, allowed = ~(np.abs(values) <= 1.0), "a number in [-1, 1]"
-        if wrong.any():
+        if any(wrong.tolist()):
             k = int(np.flatnonzero(wrong)[0])
             raise BadActionError(f"action[{k}]: {values[k]} must be {allowed}")
         return values

@@ -1,5 +1,6 @@
 """One world's episodes without Gymnasium around them: commanded, advanced by whoever steps the engine, observed."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -139,6 +140,7 @@ class Episode:
         """Go to the world of a draw."""
         self.draw = draw
         self.world = self.worlds.exchange(self.world, draw)
+        self._beyond = False
         self._mass_and_friction = (self.world.mass_kg(draw), self.world.friction(draw))
 
     def command(self, action: npt.ArrayLike) -> None:
@@ -179,9 +181,12 @@ class Episode:
     def look(self) -> None:
         """See what the engine says after its steps; before `observe` and `judge`, which rely on it."""
         simulation = self.here.simulation
-        self._beyond = simulation.range_watch.passed()
-        self._warnings = _named(simulation.warnings) if simulation.warnings.any() else {}
-        self.diverged = self.guarding.diverged or not bool(np.isfinite(simulation.data.qpos).all())
+        # extremes stay: what was passed once is passed
+        self._beyond = self._beyond or simulation.range_watch.passed()
+        # lists and one product: half the time of `any` and `isfinite`
+        self._warnings = _named(simulation.warnings) if any(simulation.warnings.tolist()) else {}
+        positions = simulation.data.qpos
+        self.diverged = self.guarding.diverged or not math.isfinite(positions.dot(positions))
         if self._warnings:
             self.diverged = self.diverged or simulation.diverged
 

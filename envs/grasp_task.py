@@ -1,5 +1,6 @@
 """Reach, close, lift, hold: the task of ``SoftHandGrasp-v0``."""
 
+import math
 from collections.abc import Mapping
 from copy import copy
 from dataclasses import dataclass, field, replace
@@ -11,7 +12,7 @@ import numpy.typing as npt
 from envs.errors import BadOptionError
 from envs.observations import Field
 from envs.task import Verdict
-from envs.world import World
+from envs.world import OTHER_FINGERS, THUMB_OR_PALM, World
 from softhand_sim.checks import require_in
 from softhand_sim.grasp.choice.shipped import default_grasp
 from softhand_sim.grasp.place import stand_off
@@ -94,8 +95,8 @@ class GraspTask:
         success = self.lifted_s >= HELD_S - 1e-9
         touched = world.touching()
         terms = {
-            "reach": 1.0 - float(np.tanh(10.0 * distance)),
-            "touch": 0.25 * float(touched[0] or touched[5]) + 0.25 * float(touched[1:5].any()),
+            "reach": 1.0 - math.tanh(10.0 * distance),
+            "touch": 0.25 * bool(touched & THUMB_OR_PALM) + 0.25 * bool(touched & OTHER_FINGERS),
             "lift": 3.0 * min(max(height / LIFTED_M, 0.0), 1.0),
             "hold": float(success),
         }

@@ -1,7 +1,7 @@
 """Episodes side by side: each steps its own simulation, several at once on threads."""
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from itertools import count
 
@@ -34,14 +34,18 @@ class Lanes:
         self._helpers = helpers
         self._pool = ThreadPoolExecutor(helpers, thread_name_prefix="lanes") if helpers > 0 else None
 
-    def advance(self, chosen: Sequence[int]) -> None:
-        """Advance some episodes by one action."""
+    def advance(self, chosen: Sequence[int], then: Callable[[int], None]) -> None:
+        """Advance some episodes by one action, and do what is to be done with each, in whichever thread had it.
+
+        One lane's Python runs while others are in the engine.
+        """
         # each thread takes the next one that is left: they differ in contacts, and so in time
         order, left = tuple(chosen), count()
 
         def work() -> None:
             while (k := next(left)) < len(order):
                 self._episodes[order[k]].advance()
+                then(order[k])
 
         pool = self._pool
         helping: list[Future[None]] = [] if pool is None else [pool.submit(work) for _ in range(self._helpers)]

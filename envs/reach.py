@@ -142,7 +142,7 @@ class ReachEnv(gymnasium.Env[Vector, Any]):
         # the last decision may end before the wrist has arrived: it is lifted from where it is
         up = self._driver.reference + np.array([0.0, 0.0, lift.height_m, 0.0, 0.0, 0.0])
         before, height_before = self._object(), self._info.get("object_height_m", 0.0)
-        if not lift.if_touched or self.env.episode.here.touching().any():
+        if not lift.if_touched or self.env.episode.here.touching():
             self._go(up, pressures, round((lift.height_m / speed + lift.hold_s) / SAMPLE_S))
         after = self._object()
         gained = 0.0 if self._lost else self._info["object_height_m"] - height_before

@@ -124,7 +124,7 @@ class SoftHandVectorEnv(VectorEnv[Any, Any, Any]):
         infos: Info = {}
         for i, info in self._restart(chosen, given).items():
             infos = self._add_info(infos, info, i)
-        return self._observations(), infos
+        return self._batched([self._observed(i) for i in range(n)]), infos
 
     def step(self, actions: Any) -> tuple[Any, npt.NDArray[np.float64], Flags, Flags, Info]:
         """Advance all environments by one control period.
@@ -143,24 +143,34 @@ class SoftHandVectorEnv(VectorEnv[Any, Any, Any]):
         for episode, action, ended in zip(self._episodes, iterate(self.action_space, actions), resetting, strict=True):
             if not ended:
                 episode.command(action)
-        self._lanes.advance(np.flatnonzero(~resetting).tolist())
         rewards, terminated, truncated = np.zeros(n), np.zeros(n, dtype=bool), np.zeros(n, dtype=bool)
-        infos: Info = {}
-        for i, episode in enumerate(self._episodes):
-            if resetting[i]:
-                continue
-            rewards[i], terminated[i], info = episode.judge(episode.spec.control_period_s)
-            self._steps[i] += 1
-            truncated[i] = self._most is not None and self._steps[i] >= self._most
-            if self._autoreset is AutoresetMode.SAME_STEP and (terminated[i] or truncated[i]):
-                info = {"final_obs": self._observed(i), "final_info": info}
-            infos = self._add_info(infos, info, i)
+        rows: list[Any] = [None] * n
+        told: list[Info] = [{} for _ in range(n)]
+
+        def see(i: int) -> None:
+            episode = self._episodes[i]
+            rewards[i], terminated[i], told[i] = episode.judge(episode.spec.control_period_s)
+            rows[i] = observed(episode, self._mode) if self._camera_size is None else None
+
+        self._lanes.advance(np.flatnonzero(~resetting).tolist(), see)
+        self._steps += ~resetting
+        if self._most is not None:
+            truncated = ~resetting & (self._steps >= self._most)
         self._over = terminated | truncated
-        again = self._over if self._autoreset is AutoresetMode.SAME_STEP else resetting
+        if self._camera_size is not None:
+            rows = [self._observed(i) for i in range(n)]
+        again = resetting
+        if self._autoreset is AutoresetMode.SAME_STEP:
+            again = self._over
+            for i in np.flatnonzero(again):
+                told[i] = {"final_obs": rows[i], "final_info": told[i]}
+        infos: Info = {}
+        for i in np.flatnonzero(~resetting).tolist():
+            infos = self._add_info(infos, told[i], i)
         if again.any():
             for i, info in self._restart(np.flatnonzero(again).tolist(), {}).items():
-                infos = self._add_info(infos, info, i)
-        return self._observations(), rewards, terminated, truncated, infos
+                rows[i], infos = self._observed(i), self._add_info(infos, info, i)
+        return self._batched(rows), rewards, terminated, truncated, infos
 
     def _restart(self, chosen: list[int], options: dict[str, Any]) -> dict[int, Info]:
         """Reset some episodes and return their infos."""
@@ -179,9 +189,8 @@ class SoftHandVectorEnv(VectorEnv[Any, Any, Any]):
         for pictures in self._pictures:
             pictures.close()
 
-    def _observations(self) -> Any:
+    def _batched(self, rows: list[Any]) -> Any:
         out: Any = create_empty_array(self.single_observation_space, n=self.num_envs)
-        rows = [self._observed(i) for i in range(self.num_envs)]
         return concatenate(self.single_observation_space, rows, out)
 
     def _observed(self, i: int) -> Any:

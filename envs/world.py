@@ -30,10 +30,8 @@ Vector = npt.NDArray[np.float64]
 
 MOST_SCENES = 64
 """Compiled scenes, and idle worlds, that are kept. Choice: all objects of the catalogue with one finger fit in."""
-_TOUCHING: npt.NDArray[np.bool_] = np.array(
-    [[mask >> k & 1 for k in range(PALM + 1)] for mask in range(2 << PALM)], dtype=bool
-)
-_TOUCHING.flags.writeable = False
+THUMB_OR_PALM, OTHER_FINGERS = 1 | 1 << PALM, (1 << PALM) - 2
+"""Bits of `World.touching`."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -133,13 +131,13 @@ class World:
             self.simulation = self._simulate(draw.on(self.effects))
             self._drawn = self._gas_of(draw)
 
-    def touching(self) -> npt.NDArray[np.bool_]:
-        """Whether each finger and the palm touch the object, (6,), read-only."""
-        data, found = self.simulation.data, 0
-        if data.ncon:
-            first, second = data.contact.geom.T
-            found = int(np.bitwise_or.reduce(self._touch[first, second]))
-        return np.asarray(_TOUCHING[found])
+    def touching(self) -> int:
+        """Return a bit for each finger that touches the object, thumb first, and one for the palm."""
+        data = self.simulation.data
+        if not data.ncon:
+            return 0
+        first, second = data.contact.geom.T
+        return int(np.bitwise_or.reduce(self._touch[first, second]))
 
 
 class Scenes:
@@ -167,7 +165,7 @@ class Scenes:
 
         def add_object(root: Any) -> None:
             apply_to_model(effects, root)
-            attach_object(root, model)
+            attach_object(root, model, first=True)
             apply_to_contacts(effects, root)
 
         return build_scene(calibration, engine=s.engine, add_object=add_object).model, effects

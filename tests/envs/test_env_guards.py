@@ -1,11 +1,15 @@
 """Guards in environments: each is provoked and typed, ordinary episodes stay far from all, limits can be changed."""
 
+import itertools
+
 import numpy as np
 import pytest
 
 import envs
 from envs.guarding import LOOK_S
 from envs.script import ScriptedGrasp
+from softhand_sim.calibration import JOINTS
+from softhand_sim.elements import FINGERS
 from softhand_sim.guards.limits import Guards
 
 DOWN = [-1.0, -1.0, -1.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0]
@@ -17,7 +21,8 @@ NONE = Guards(energy_j=None, penetration_m=None, past_stop_rad=None, past_pressu
 
 
 def negative_damping(model):
-    model.dof_damping[6:21] = -2e-5
+    for finger, joint in itertools.product(FINGERS, JOINTS):
+        model.dof_damping[model.joint(f"{finger}_{joint}").dofadr] = -2e-5
 
 
 def far_too_stiff(model):
