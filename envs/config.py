@@ -37,9 +37,9 @@ AUTO_TOLERANCE = Tolerance(angle_deg=5.0, slip_m=0.010)
 DEFAULT_ENGINE = EngineSettings(
     timestep_s=0.004, noslip_iterations=10, jacobian="sparse", islands=False, tolerance=1e-6
 )
-"""Choice: twice the step of a trial (`EngineSettings`), and no less accurate: bounds of 3.15 degrees and 1.49 mm over 208
-scenes, where 2 ms with three noslip iterations has 3.63 and 1.56 (docs/accuracy.md). The solver's matrices and its end
-leave those as they are; they take 10 % less time under random actions, 15 % less around a grasp (docs/decisions.md)."""
+"""Choice: twice the step of a trial (`EngineSettings`) and no less accurate: bounds of 3.62 degrees and 1.45 mm over
+the 208 scenes of docs/accuracy.md, where 2 ms with three noslip iterations has 3.63 and 1.56. How the solver stores its
+matrices and where it ends takes 10 to 15 % off an action that explores (docs/decisions.md)."""
 ARM_M = 0.1
 """Choice: the wrist turns as fast as it moves at this arm, as in `HandAnatomy`."""
 ENERGY_J, PAPERS_SPEED_M_PER_S = 0.05, 0.1

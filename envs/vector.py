@@ -1,6 +1,6 @@
 """Vector environments: many episodes at once on the engine's own threads."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -124,7 +124,7 @@ class SoftHandVectorEnv(VectorEnv[Any, Any, Any]):
         infos: Info = {}
         for i, info in self._restart(chosen, given).items():
             infos = self._add_info(infos, info, i)
-        return self._batched([self._observed(i) for i in range(n)]), infos
+        return self._batched({i: self._observed(i) for i in range(n)}), infos
 
     def step(self, actions: Any) -> tuple[Any, npt.NDArray[np.float64], Flags, Flags, Info]:
         """Advance all environments by one control period.
@@ -143,34 +143,39 @@ class SoftHandVectorEnv(VectorEnv[Any, Any, Any]):
         for episode, action, ended in zip(self._episodes, iterate(self.action_space, actions), resetting, strict=True):
             if not ended:
                 episode.command(action)
-        rewards, terminated, truncated = np.zeros(n), np.zeros(n, dtype=bool), np.zeros(n, dtype=bool)
-        rows: list[Any] = [None] * n
-        told: list[Info] = [{} for _ in range(n)]
+        going = np.flatnonzero(~resetting).tolist()
+        rewards, terminated, rows, told = self._advance(going)
+        self._steps[going] += 1
+        truncated = ~resetting & (self._steps >= (self._most or np.inf))
+        self._over = terminated | truncated
+        again = np.flatnonzero(resetting).tolist()
+        if self._autoreset is AutoresetMode.SAME_STEP:
+            again = np.flatnonzero(self._over).tolist()
+            told |= {i: {"final_obs": rows[i], "final_info": told[i]} for i in again}
+        infos: Info = {}
+        for i, info in (*told.items(), *self._restart(again, {}).items()):
+            infos = self._add_info(infos, info, i)
+        rows |= {i: self._observed(i) for i in again}
+        return self._batched(rows), rewards, terminated, truncated, infos
 
-        def see(i: int) -> None:
+    def _advance(self, going: list[int]) -> tuple[npt.NDArray[np.float64], Flags, dict[int, Any], dict[int, Info]]:
+        """Advance some episodes and return rewards and ends, (n,), and their observations and infos by number."""
+        rewards, terminated = np.zeros(self.num_envs), np.zeros(self.num_envs, dtype=bool)
+        rows: dict[int, Any] = {}
+        told: dict[int, Info] = {}
+
+        def look(i: int) -> None:
             episode = self._episodes[i]
             rewards[i], terminated[i], told[i] = episode.judge(episode.spec.control_period_s)
-            rows[i] = observed(episode, self._mode) if self._camera_size is None else None
+            if self._camera_size is None:
+                rows[i] = self._observed(i)
 
-        self._lanes.advance(np.flatnonzero(~resetting).tolist(), see)
-        self._steps += ~resetting
-        if self._most is not None:
-            truncated = ~resetting & (self._steps >= self._most)
-        self._over = terminated | truncated
+        self._lanes.advance(going, look)
         if self._camera_size is not None:
-            rows = [self._observed(i) for i in range(n)]
-        again = resetting
-        if self._autoreset is AutoresetMode.SAME_STEP:
-            again = self._over
-            for i in np.flatnonzero(again):
-                told[i] = {"final_obs": rows[i], "final_info": told[i]}
-        infos: Info = {}
-        for i in np.flatnonzero(~resetting).tolist():
-            infos = self._add_info(infos, told[i], i)
-        if again.any():
-            for i, info in self._restart(np.flatnonzero(again).tolist(), {}).items():
-                rows[i], infos = self._observed(i), self._add_info(infos, info, i)
-        return self._batched(rows), rewards, terminated, truncated, infos
+            # a context of its own for each, in this thread
+            rows = {i: self._observed(i) for i in going}
+        # whichever thread was first
+        return rewards, terminated, rows, {i: told[i] for i in going}
 
     def _restart(self, chosen: list[int], options: dict[str, Any]) -> dict[int, Info]:
         """Reset some episodes and return their infos."""
@@ -189,9 +194,9 @@ class SoftHandVectorEnv(VectorEnv[Any, Any, Any]):
         for pictures in self._pictures:
             pictures.close()
 
-    def _batched(self, rows: list[Any]) -> Any:
+    def _batched(self, rows: Mapping[int, Any]) -> Any:
         out: Any = create_empty_array(self.single_observation_space, n=self.num_envs)
-        return concatenate(self.single_observation_space, rows, out)
+        return concatenate(self.single_observation_space, [rows[i] for i in range(self.num_envs)], out)
 
     def _observed(self, i: int) -> Any:
         episode, size = self._episodes[i], self._camera_size

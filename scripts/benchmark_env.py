@@ -3,16 +3,13 @@
 For each scene, every action is timed in the environment, and then the bare engine takes the same number of steps from
 the same state, with nothing around it; one after the other within one run. Times are those of the processor, so that
 other work on the machine disturbs them less. Then a vector environment takes turns with one environment and with a bare
-batch of the engine from the same states, by the clock. Last, free-running environments of each scene take turns under
-random actions, the first also at 4 ms, as policies are trained, and, where gymnasium-robotics is installed, its hand
-with a ball on a table.
+batch of the engine from the same states, by the clock. Last, free-running environments of each scene, single and
+vector, take turns under random actions, the first also at a trial's 2 ms, and, where gymnasium-robotics is installed,
+its hand with a ball on a table.
 """
 
-import importlib
-import importlib.util
 import os
 import time
-import warnings
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -25,20 +22,14 @@ from tqdm import tqdm
 
 import envs
 from scripts import _cli
-from softhand_sim.hand.scene import EngineSettings
+from scripts._env_rates import SCENES, free_running, tell
 
 EXAMPLES = """examples:
   benchmark_env.py --json out/env.json
   benchmark_env.py --steps 1000 --effects full
   benchmark_env.py --steps 100 --seconds 2
+  benchmark_env.py --steps 100 --worlds 0 --seconds 10      # single environments alone
 """
-SCENES: dict[str, tuple[str, dict[str, Any]]] = {
-    "grasp apple": (envs.GRASP_ENV_ID, {"objects": "apple"}),
-    "grasp mug": (envs.GRASP_ENV_ID, {"objects": "mug"}),
-    "reorient bar": (envs.REORIENT_ENV_ID, {}),
-}
-COARSE = EngineSettings(timestep_s=0.004)
-OTHER = "AdroitHandRelocate-v1"
 _STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 Vector = npt.NDArray[np.float64]
 
@@ -89,13 +80,11 @@ def _job(argv: Sequence[str] | None) -> int:
             f"batch's {row['batch']:.0f} ({row['over_batch_by_processor']:.2f} by processor time)"
         )
     if args.seconds > 0.0:
-        coarse = gymnasium.make(envs.GRASP_ENV_ID, objects="apple", effects=args.effects, engine=COARSE)
-        data["free_running"] = _free_running({**made, "grasp apple at 4 ms": coarse}, args.seconds, args.seed)
-        coarse.close()
-        print(f"{'random actions':<23}{'simulated s/s':>14}{'by processor':>14}   engine steps an action")
-        for row in data["free_running"]:
-            speeds = f"{row['simulated_s_per_s']:>14.1f}{row['simulated_s_per_processor_s']:>14.1f}"
-            print(f"{row['scene']:<23}{speeds}   {row['engine_steps']} of {1e3 * row['time_step_s']:g} ms")
+        data["free_running"] = free_running(
+            {"effects": args.effects, "observation_mode": args.mode},
+            worlds=args.worlds, threads=args.threads, seconds=args.seconds, seed=args.seed,
+        )  # fmt: skip
+        tell(data["free_running"])
     for env in made.values():
         env.close()
     if args.json is not None:
@@ -201,51 +190,6 @@ def _step_single(env: Any, actions: npt.NDArray[np.float32]) -> None:
         *_, terminated, truncated, _ = env.step(action)
         if terminated or truncated:
             env.reset()
-
-
-def _free_running(made: dict[str, Any], seconds: float, seed: int) -> list[dict[str, Any]]:
-    """Return simulated seconds per second, by the clock and of the processor, of each environment, resets included."""
-    runs = made
-    if importlib.util.find_spec("gymnasium_robotics") is not None:
-        runs = {**made, OTHER: _adroit()}
-    spent = {name: np.zeros(3) for name in runs}
-    for env in runs.values():
-        env.reset(seed=seed)
-        env.action_space.seed(seed)
-    for _ in tqdm(range(5), desc="free-running", unit="turn", disable=None):
-        for name, env in runs.items():
-            (step_s, steps), began, actions = _period(env), _clocks(), 0
-            while time.perf_counter() - began[0] < seconds / 5.0:
-                *_, terminated, truncated, _ = env.step(env.action_space.sample())
-                actions += 1
-                if terminated or truncated:
-                    env.reset()
-            spent[name] += [*(_clocks() - began), actions * steps * step_s]
-    rows = []
-    for name, (wall, processor, simulated) in spent.items():
-        step_s, steps = _period(runs[name])
-        speeds = {"simulated_s_per_s": simulated / wall, "simulated_s_per_processor_s": simulated / processor}
-        rows.append({"scene": name, "engine_steps": steps, "time_step_s": step_s, **speeds})
-    return rows
-
-
-def _clocks() -> npt.NDArray[np.float64]:
-    return np.array([time.perf_counter(), time.process_time()])
-
-
-def _adroit() -> Any:
-    gymnasium.register_envs(importlib.import_module("gymnasium_robotics"))
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        return gymnasium.make(OTHER)
-
-
-def _period(env: Any) -> tuple[float, int]:
-    """Return the engine's time step [s], and its steps in an action."""
-    raw = env.unwrapped
-    if hasattr(raw, "frame_skip"):
-        return float(raw.model.opt.timestep), int(raw.frame_skip)
-    return float(raw.episode.here.simulation.dt), int(raw.episode.substeps)
 
 
 if __name__ == "__main__":
