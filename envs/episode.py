@@ -1,9 +1,10 @@
 """One world's episodes without Gymnasium around them: commanded, advanced by whoever steps the engine, observed."""
 
+import importlib.util
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -27,16 +28,9 @@ Vector = npt.NDArray[np.float64]
 Info = dict[str, Any]
 
 _WRIST_RANGE = np.array([*SLIDE_RANGE_M, *[HINGE_RANGE_RAD] * 3])
+_NOTHING = np.zeros(0)
+_COMPILED = importlib.util.find_spec("numba") is not None
 _CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])
-
-
-class GasSeen(NamedTuple):
-    """Readings [Pa], (3,), valves, (6,), set and true pressures [Pa], (3,), at present."""
-
-    reading_pa_gauge: Vector
-    valves_open: Vector
-    set_pressure_pa_gauge: Vector
-    pressure_pa_gauge: Vector
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,7 +81,8 @@ class Episode:
         self.guarding = Guarding(spec.guards)
         self._beyond = False
         self._privileged = "joint_angle_rad" in spec.layout.where
-        self._mass_and_friction = (0.0, 0.0)
+        self._own = np.zeros(3)
+        self._gather: Callable[..., None] | None = None
         self._warnings: dict[str, int] = {}
 
     @property
@@ -141,7 +136,7 @@ class Episode:
         self.draw = draw
         self.world = self.worlds.exchange(self.world, draw)
         self._beyond = False
-        self._mass_and_friction = (self.world.mass_kg(draw), self.world.friction(draw))
+        self._own = np.array([self.world.rest_height_m, self.world.mass_kg(draw), self.world.friction(draw)])
 
     def command(self, action: npt.ArrayLike) -> None:
         """Give an action to controller and wrist.
@@ -210,33 +205,42 @@ class Episode:
 
     def observe(self) -> Vector:
         """Return the observed vector, (n,), new each time; zeros, as far as the bounds allow, when diverged."""
-        world, layout = self.here, self.spec.layout
+        layout = self.spec.layout
         if self.diverged:
             return np.minimum(np.maximum(0.0, layout.low), layout.high)
-        simulation = world.simulation
-        data = simulation.data
-        # few calls with many numbers: each costs as much as fifty of the engine's additions
-        positions = data.qpos[world.wrist_and_joint_qpos]
-        gas = self._gas_of_simulation()
-        parts: list[npt.ArrayLike] = [1e-3 * gas.reading_pa_gauge, gas.valves_open, positions[:6]]
-        if self._privileged:
-            velocities = data.qvel[world.joint_and_object_dof]
-            parts += [
-                1e-3 * gas.set_pressure_pa_gauge,
-                1e-3 * gas.pressure_pa_gauge,
-                positions[6:],
-                velocities[:15],
-                object_in_palm(data, simulation.index.palm_body, world.body),
-                velocities[15:],
-                (float(data.xpos[world.body, 2]) - world.rest_height_m, *self._mass_and_friction),
-            ]
-        if self.task.target and not self.spec.sparse:
-            parts.append(self.task.commanded())
-        return layout.pack(parts)
+        arguments = self._observable()
+        if _COMPILED:
+            out = np.empty(len(layout.low))
+            if self._gather is None:
+                self._gather = _gatherer(*arguments, layout.low, layout.high, out)
+            self._gather(*arguments, layout.low, layout.high, out)
+            return out
+        return self._gathered(*arguments)
 
-    def _gas_of_simulation(self) -> GasSeen:
-        s = self.here.simulation
-        return GasSeen(s.reading_pa_gauge(), s.valves_open(), s.set_pressure_pa_gauge, s.pressure_pa_gauge())
+    def _observable(self) -> tuple[Any, ...]:
+        """Return what an observation is made from: the first arguments of `envs.gather.gather`."""
+        world, simulation, data = self.here, self.here.simulation, self.here.simulation.data
+        commanded = self.task.commanded() if self.task.target and not self.spec.sparse else _NOTHING
+        return (
+            simulation.reading_pa_gauge(), simulation.valves_open(), simulation.set_pressure_pa_gauge,
+            simulation.pressure_pa_gauge(), data.qpos, data.qvel, world.wrist_and_joint_qpos,
+            world.joint_and_object_dof, data.xpos, data.xquat, simulation.index.palm_body, world.body, self._own,
+            commanded,
+        )  # fmt: skip
+
+    def _gathered(  # noqa: PLR0913, PLR0917 - as `envs.gather.gather`
+        self, reading: Vector, valves: Vector, sets: Vector, pressure: Vector, qpos: Vector, qvel: Vector,
+        positions: Vector, velocities: Vector, xpos: Vector, xquat: Vector, palm: int, body: int, own: Vector,
+        commanded: Vector,
+    ) -> Vector:  # fmt: skip
+        """Return the observed vector without compiled code."""
+        seen, moving = qpos[positions], qvel[velocities]
+        parts: list[npt.ArrayLike] = [1e-3 * reading, valves, seen[:6]]
+        if self._privileged:
+            placed = object_in_palm(xpos, xquat, palm, body)
+            parts += [1e-3 * sets, 1e-3 * pressure, seen[6:], moving[:15], placed, moving[15:]]
+            parts += [xpos[body, 2:] - own[:1], own[1:]]
+        return self.spec.layout.pack([*parts, commanded])
 
     def goals(self) -> tuple[Vector, Vector]:
         """Return the achieved and the desired goal, (g,) each; a lost simulation has achieved the lowest."""
@@ -259,14 +263,25 @@ class Episode:
         }
 
 
-def object_in_palm(data: mujoco.MjData, palm: int, body: int) -> Vector:
-    """Return position [m] and orientation (quaternion w, x, y, z, w >= 0) of a body in the palm's frame, (7,)."""
-    out, turned = np.empty(7), data.xquat[palm] * _CONJUGATE
-    mujoco.mju_rotVecQuat(out[:3], data.xpos[body] - data.xpos[palm], turned)
-    mujoco.mju_mulQuat(out[3:], turned, data.xquat[body])
+def object_in_palm(xpos: Vector, xquat: Vector, palm: int, body: int) -> Vector:
+    """Return position [m] and orientation (quaternion w, x, y, z, w >= 0) of a body in the palm's frame, (7,).
+
+    ``xpos`` and ``xquat`` are the engine's, of all bodies; ``palm`` and ``body`` numbers of two of them.
+    """
+    out, turned = np.empty(7), xquat[palm] * _CONJUGATE
+    mujoco.mju_rotVecQuat(out[:3], xpos[body] - xpos[palm], turned)
+    mujoco.mju_mulQuat(out[3:], turned, xquat[body])
     if out[3] < 0.0:
         out[3:] *= -1.0
     return out
+
+
+def _gatherer(*arguments: Any) -> Callable[..., None]:
+    """Return the compiled gathering for arguments of these types."""
+    from envs.gather import gather  # noqa: PLC0415 - numba is optional
+    from softhand_sim.compiling import loaded  # noqa: PLC0415
+
+    return loaded(gather, *arguments)
 
 
 def _named(warnings: npt.NDArray[np.int32]) -> dict[str, int]:

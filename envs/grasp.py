@@ -13,7 +13,7 @@ from envs.vector import SoftHandVectorEnv
 class SoftHandGraspEnv(SoftHandEnv):
     """Grasp an object that stands on a table, lift it and hold it.
 
-    ## Action space: one action every 40 ms, two ticks of the valves' controller
+    ## Action space: one action every 40 ms, two ticks of the valves' controller, ten steps of the engine
 
     ``action_mode="pressure"`` (default) or ``"angle"``: ``Box(-1, 1, (9,), float32)``, or ``(3,)`` with
     ``wrist=False``.
@@ -95,7 +95,7 @@ class SoftHandGraspEnv(SoftHandEnv):
     | ``outcome`` | by default |
     |---|---|
     | ``DIVERGED`` | not finite, or the engine says so; also ``info["diverged"]``; the observation is then zero |
-    | ``UNBALANCED`` | 50 mJ of energy from nowhere (10 mJ with ``wrist=False``) |
+    | ``UNBALANCED`` | 100 mJ of energy from nowhere (10 mJ with ``wrist=False``) |
     | ``PENETRATED`` | the object in anything, or a finger in another, by 5 mm |
     | ``EXTRAPOLATED`` | a joint 0.5 rad past its stop, or a pressure 10 kPa past the calibrated one (bare valves!) |
 
@@ -134,7 +134,8 @@ class SoftHandGraspEnv(SoftHandEnv):
 
     ## Version history
 
-    v0: first version.
+    v0: first version. Its engine has steps of 4 ms with ten noslip iterations (`envs.config.DEFAULT_ENGINE`); before
+    the first release it had a trial's 2 ms with three, ``engine=EngineSettings()``.
     """
 
     def __init__(self, *, render_mode: str | None = None, approach_m: float | None = None, **config: Any) -> None:

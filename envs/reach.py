@@ -166,7 +166,7 @@ class ReachEnv(gymnasium.Env[Vector, Any]):
     def _object(self) -> Vector:
         here = self.env.episode.here
         data = here.simulation.data
-        return np.nan_to_num(object_in_palm(data, here.simulation.index.palm_body, here.body))
+        return np.nan_to_num(object_in_palm(data.xpos, data.xquat, here.simulation.index.palm_body, here.body))
 
     def _nearness(self) -> float:
         here = self.env.episode.here

@@ -21,7 +21,7 @@ class SoftHandReorientEnv(SoftHandEnv):
     above; middle, ring and little press the other end. So the three elements must act apart from one another, which a
     grasp never asks of them, and a bar pressed too far tips over.
 
-    ## Action space: one action every 40 ms, two ticks of the valves' controller
+    ## Action space: one action every 40 ms, two ticks of the valves' controller, ten steps of the engine
 
     As in `envs.grasp.SoftHandGraspEnv` but for the wrist: ``action_mode`` ``"pressure"`` (default), ``"angle"`` or
     ``"valve"``. By default ``wrist=False``, and the hand stands still: ``Box(-1, 1, (3,), float32)``, or
@@ -78,7 +78,8 @@ class SoftHandReorientEnv(SoftHandEnv):
 
     ## Version history
 
-    v0: first version.
+    v0: first version. Its engine has steps of 4 ms with ten noslip iterations (`envs.config.DEFAULT_ENGINE`); before
+    the first release it had a trial's 2 ms with three, ``engine=EngineSettings()``.
     """
 
     def __init__(self, *, render_mode: str | None = None, **config: Any) -> None:

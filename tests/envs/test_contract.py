@@ -4,9 +4,11 @@ import hashlib
 import json
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import gymnasium
+import mujoco
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
@@ -14,7 +16,10 @@ from gymnasium.utils.passive_env_checker import env_render_passive_checker
 from rollouts import rollout
 
 import envs
+from envs.config import DEFAULT_ENGINE
 from envs.errors import BadActionError, BadOptionError
+from envs.script import ScriptedGrasp
+from softhand_sim.hand.scene import EngineSettings
 from softhand_sim.render import RenderUnavailableError
 
 ACTIONS = [(mode, wrist) for mode in ("pressure", "angle", "valve") for wrist in (True, False)]
@@ -175,3 +180,51 @@ def test_infos_of_a_step_are_plain_values(made):
     info = env.step(np.zeros(9))[4]
     assert json.loads(json.dumps(info)) == info
     assert info["engine_warnings"] == {}
+
+
+@pytest.mark.parametrize("engine", [None, EngineSettings()])
+def test_the_engine_is_the_environments_own_or_the_one_that_was_given(made, engine):
+    env = made() if engine is None else made(engine=engine)
+    env.reset(seed=0)
+    option, wanted = env.episode.here.model.opt, engine or DEFAULT_ENGINE
+    assert (option.timestep, option.noslip_iterations) == (wanted.timestep_s, wanted.noslip_iterations)
+    assert (
+        option.jacobian
+        == {"dense": mujoco.mjtJacobian.mjJAC_DENSE, "sparse": mujoco.mjtJacobian.mjJAC_SPARSE}[wanted.jacobian]
+    )
+    assert bool(option.disableflags & mujoco.mjtDisableBit.mjDSBL_ISLAND) != wanted.islands
+    assert option.tolerance == wanted.tolerance
+    assert env.episode.substeps * wanted.timestep_s == pytest.approx(0.04)
+
+
+def test_how_the_solver_stores_its_matrices_changes_no_action(made):
+    """Over an action from the same state, all along a grasp; over seconds valves redraw what the last bits are."""
+    env = made()
+    plain = made(engine=replace(DEFAULT_ENGINE, jacobian="dense", islands=True, tolerance=1e-8))
+    env.reset(seed=0)
+    plain.reset(seed=0)
+    script, off, touching = ScriptedGrasp(env.episode), [], 0
+    for k in range(100):
+        action, state = script.act(), env.save() if k % 5 == 0 else None
+        seen = env.step(action)[0]
+        if state is not None:
+            plain.load(state)
+            off.append(np.abs(plain.step(action)[0] - seen))
+            touching += env.episode.here.touching() > 0
+    where = env.episode.spec.layout.where
+    assert touching > 5
+    assert np.max(off, axis=0)[where["joint_angle_rad"]].max() < 1e-4
+    assert np.max(off, axis=0)[where["object_position_in_palm_m"]].max() < 1e-5
+
+
+@pytest.mark.parametrize("mode", ["hardware", "state", "goal"])
+@pytest.mark.parametrize("env_id", [envs.GRASP_ENV_ID, envs.REORIENT_ENV_ID])
+def test_compiled_observations_are_the_plain_ones(made, env_id, mode):
+    env = made(env_id, observation_mode=mode)
+    rng = np.random.default_rng(0)
+    env.reset(seed=0)
+    for _ in range(5):
+        env.step(rng.uniform(-1.0, 1.0, env.action_space.shape))
+        episode = env.episode
+        plain = episode._gathered(*episode._observable())
+        assert episode.observe() == pytest.approx(plain, abs=1e-12)

@@ -134,7 +134,7 @@ def test_the_energy_limit_follows_the_wrists_speed():
     limit = [envs.SoftHandGraspEnv(**given).episode.spec.guards.energy_j for given in (
         {"wrist": False}, {}, {"wrist_speed_m_per_s": 0.05}, {"wrist_speed_m_per_s": 0.5},
     )]  # fmt: skip
-    assert limit == pytest.approx([0.010, 0.050, 0.050, 1.25])
+    assert limit == pytest.approx([0.010, 0.100, 0.100, 2.5])
 
 
 def test_unknown_guards_are_refused():

@@ -28,7 +28,7 @@ def test_random_steps_count_and_watch_memory(tmp_path, monkeypatch, capsys):
 def test_an_observation_outside_its_space_fails_the_run(monkeypatch):
     cases = list(random_steps._cases(("apple",)))[1:2]
     monkeypatch.setattr(random_steps, "_cases", lambda _: cases)
-    monkeypatch.setattr("envs.observations.Layout.pack", lambda layout, _: layout.high + 1.0)
+    monkeypatch.setattr("envs.episode.Episode.observe", lambda episode: episode.spec.layout.high + 1.0)
     assert random_steps.main(["--steps", "4"]) == 1
 
 

@@ -119,6 +119,10 @@ def test_fingers_collide_with_each_other(calibration):
 def test_bad_settings_are_named(calibration):
     with pytest.raises(ValueError, match=r"timestep_s: 0\.1"):
         EngineSettings(timestep_s=0.1)
+    with pytest.raises(ValueError, match="jacobian: 'thin' must be one of dense, sparse"):
+        EngineSettings(jacobian="thin")
+    with pytest.raises(ValueError, match=r"tolerance: 0\.1"):
+        EngineSettings(tolerance=0.1)
     with pytest.raises(ValueError, match=r"hand_mass_kg: 0\.01"):
         build_root(calibration, anatomy=HandAnatomy(hand_mass_kg=0.01))
     mount = FingerMount(base_m=(0, 0, 0), azimuth_deg=0, elevation_deg=90, curl_to_m=(0, 0, 1))
