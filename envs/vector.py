@@ -12,6 +12,7 @@ from gymnasium.vector.utils import batch_space, concatenate, create_empty_array,
 from envs.config import EnvConfig
 from envs.episode import Episode
 from envs.hand_env import observation_space, observed
+from envs.infos import columns
 from envs.lanes import Lanes
 from envs.rendering import Pictures
 from envs.task import Task
@@ -152,8 +153,8 @@ class SoftHandVectorEnv(VectorEnv[Any, Any, Any]):
         if self._autoreset is AutoresetMode.SAME_STEP:
             again = np.flatnonzero(self._over).tolist()
             told |= {i: {"final_obs": rows[i], "final_info": told[i]} for i in again}
-        infos: Info = {}
-        for i, info in (*told.items(), *self._restart(again, {}).items()):
+        infos = columns(told, n, self._add_info)
+        for i, info in self._restart(again, {}).items():
             infos = self._add_info(infos, info, i)
         rows |= {i: self._observed(i) for i in again}
         return self._batched(rows), rewards, terminated, truncated, infos

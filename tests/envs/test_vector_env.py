@@ -5,13 +5,14 @@ import dataclasses
 import gymnasium
 import numpy as np
 import pytest
-from gymnasium.vector import AutoresetMode
+from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
 import envs
 from assets import asset_path
 from envs.config import EnvConfig
 from envs.draw import Draw
 from envs.errors import BadActionError, BadOptionError
+from envs.infos import columns
 from envs.randomization import DOMAIN
 from envs.world import WorldPool
 from softhand_sim.render import RenderUnavailableError
@@ -234,3 +235,31 @@ def test_bad_actions_options_and_seeds_are_named():
     with pytest.raises(BadActionError, match=r"action\[2\]: nan"):
         vector.step(np.array([[0.0, 0.0, 0.0], [0.0, 0.0, np.nan]]))
     assert np.array_equal(vector.step(np.zeros((2, 3)))[0], before)
+
+
+def test_infos_in_columns_are_gymnasiums_own():
+    """The same keys, values, types and masks, whatever of the infos differs."""
+    add = SyncVectorEnv([lambda: gymnasium.make(envs.REORIENT_ENV_ID)] * 4)._add_info
+    plain = {"solved": True, "outcome": "", "steps": 3, "height_m": 0.1, "warnings": {}, "place": np.zeros(3)}
+    for told in (
+        {},
+        {k: {**plain, "height_m": 0.1 * k, "outcome": "LOST" * (k == 2)} for k in range(4)},
+        {1: plain, 3: {**plain, "solved": False}},
+        {0: plain, 2: {**plain, "warnings": {"BADQACC": 2}}},
+        {0: plain, 1: {"final_obs": np.ones(2), "final_info": plain}},
+    ):
+        expected = {}
+        for k, info in told.items():
+            expected = add(expected, info, k)
+        assert_same_infos(columns(told, 4, add), expected)
+
+
+def assert_same_infos(found, expected):
+    assert found.keys() == expected.keys()
+    for key, value in expected.items():
+        if isinstance(value, dict):
+            assert_same_infos(found[key], value)
+        elif value.dtype == object:
+            assert [str(v) for v in found[key]] == [str(v) for v in value]
+        else:
+            assert (found[key].dtype, found[key].tolist()) == (value.dtype, value.tolist())
