@@ -3,9 +3,9 @@
 For each scene, every action is timed in the environment, and then the bare engine takes the same number of steps from
 the same state, with nothing around it; one after the other within one run. Times are those of the processor, so that
 other work on the machine disturbs them less. Then a vector environment takes turns with one environment and with a bare
-batch of the engine from the same states, by the clock. Last, free-running environments of each scene, single and
-vector, take turns under random actions, the first also at a trial's 2 ms, and, where gymnasium-robotics is installed,
-its hand with a ball on a table.
+batch of the engine from the same states with the same commands, by the clock. Last, free-running environments of each
+scene, single and vector, take turns under random actions, the first also at a trial's 2 ms, and, where
+gymnasium-robotics is installed, its hand with a ball on a table.
 """
 
 import os
@@ -31,7 +31,7 @@ EXAMPLES = """examples:
   benchmark_env.py --steps 100 --worlds 0 --seconds 10      # single environments alone
 """
 _STATE = mujoco.mjtState.mjSTATE_INTEGRATION
-Vector = npt.NDArray[np.float64]
+Vector = npt.NDArray[Any]
 
 
 def parser() -> _cli.Parser:
@@ -43,7 +43,7 @@ def parser() -> _cli.Parser:
     text = "time by the clock for each free-running environment, in five turns; 0 for none (default %(default)s)"
     p.add_argument("--worlds", type=_cli.non_negative_int, default=16, help="of the vector; 0 for none (%(default)s)")
     p.add_argument("--threads", type=_cli.positive_int, default=2, help="of the vector (default %(default)s)")
-    p.add_argument("--turns", type=_cli.positive_int, default=20, help="of the vector, 5 actions each (%(default)s)")
+    p.add_argument("--turns", type=_cli.positive_int, default=100, help="of the vector, an action each (%(default)s)")
     p.add_argument("--seconds", type=_cli.non_negative_float, default=10.0, help=text)
     p.add_common(seed="seed of episodes", json="write the figures to this file")
     return p
@@ -143,33 +143,37 @@ def _actions(env: Any, steps: int, seed: int) -> npt.NDArray[np.float32]:
 def _vector(args: Any) -> dict[str, float]:
     """Return actions per second by the clock of a vector environment, of one environment, and of a batch alone."""
     given = {"effects": args.effects, "observation_mode": args.mode}
-    vector = gymnasium.make_vec(envs.GRASP_ENV_ID, num_envs=args.worlds, threads=args.threads, **given)
+    vector: Any = gymnasium.make_vec(envs.GRASP_ENV_ID, num_envs=args.worlds, threads=args.threads, **given)
     single = gymnasium.make(envs.GRASP_ENV_ID, **given)
-    n, count = args.worlds, 5 * args.turns
-    actions = _actions(single, count, args.seed)
+    n, inside = args.worlds, vector.unwrapped
+    actions = _actions(single, args.turns + 1, args.seed)
     vector.reset(seed=args.seed)
     single.reset(seed=args.seed)
     episode = single.unwrapped.episode  # type: ignore[attr-defined]
     batch = mujoco.batch.Batch(episode.here.model, n, nthread=args.threads)
-    ways: dict[str, Callable[[npt.NDArray[np.float32]], None]] = {
-        "batch": lambda few: _step_batch(batch, len(few) * episode.substeps),
-        "vector": lambda few: _step_vector(vector, few),
-        "single": lambda few: _step_single(single, few),
+    ctrl = batch.bind("ctrl")
+    ways: dict[str, Callable[[Vector], None]] = {
+        "vector": lambda action: vector.step(np.tile(action, (n, 1))),
+        "batch": lambda _: _step_batch(batch, episode.substeps),
+        "single": lambda action: _step_single(single, action),
     }
     for way in ways.values():
         # the first step compiles
-        way(actions[:1])
+        way(actions[0])
     wall, processor = dict.fromkeys(ways, 0.0), dict.fromkeys(ways, 0.0)
-    for turn in tqdm(range(args.turns), desc="vector", unit="turn", disable=None):
-        # the engine's work depends on contacts: the batch goes from where the vector is
-        batch.state[:] = vector.unwrapped.engine_state()  # type: ignore[attr-defined]
+    for action in tqdm(actions[1:], desc="vector", unit="turn", disable=None):
+        before = inside.engine_state()
         for name, way in ways.items():
+            if name == "batch":
+                # the engine's work depends on contacts and commands: from where the vector was, with what it had
+                batch.state[:] = before
+                ctrl[:] = [each.here.simulation.data.ctrl for each in inside.episodes]
             began, began_processor = time.perf_counter(), time.process_time()
-            way(actions[5 * turn : 5 * turn + 5])
+            way(action)
             wall[name] += time.perf_counter() - began
             processor[name] += time.process_time() - began_processor
     vector.close()
-    rates = {"vector": n * count / wall["vector"], "batch": n * count / wall["batch"], "single": count / wall["single"]}
+    rates = {name: (1 if name == "single" else n) * args.turns / wall[name] for name in ways}
     ratios = {f"over_{name}": rates["vector"] / rates[name] for name in ("single", "batch")}
     ratios["over_batch_by_processor"] = processor["batch"] / processor["vector"]
     return {"worlds": n, "threads": args.threads, **rates, **ratios}
@@ -180,16 +184,10 @@ def _step_batch(batch: mujoco.batch.Batch, steps: int) -> None:
         batch.step()
 
 
-def _step_vector(vector: Any, actions: npt.NDArray[np.float32]) -> None:
-    for action in actions:
-        vector.step(np.tile(action, (vector.num_envs, 1)))
-
-
-def _step_single(env: Any, actions: npt.NDArray[np.float32]) -> None:
-    for action in actions:
-        *_, terminated, truncated, _ = env.step(action)
-        if terminated or truncated:
-            env.reset()
+def _step_single(env: Any, action: Vector) -> None:
+    *_, terminated, truncated, _ = env.step(action)
+    if terminated or truncated:
+        env.reset()
 
 
 if __name__ == "__main__":
