@@ -91,9 +91,11 @@ def empty_root(name: str, settings: EngineSettings) -> mjcf.RootElement:
         impratio=settings.impratio,
         noslip_iterations=settings.noslip_iterations,
         jacobian=settings.jacobian,
-        tolerance=settings.tolerance,
         gravity=(0.0, 0.0, -settings.gravity_m_per_s2),
     )
+    # what is the engine's own default stands in no file
+    if settings.tolerance != EngineSettings.tolerance:
+        root.option.tolerance = settings.tolerance
     if not settings.islands:
         root.option.flag.island = "disable"
     return root
