@@ -7,7 +7,7 @@ import pytest
 from assets import asset_path
 from fea.calibration import load_materials
 from fea.finger_design import load_design, material_named
-from fea.geometry import FingerGeometry
+from fea.geometry import MINIMUM_WALL_M, FingerGeometry
 
 SHEET = """
 name = "My silicone"
@@ -48,6 +48,15 @@ def test_shipped_file_is_the_default_finger():
     assert shipped.materials == load_materials()
     written = asset_path("fingers", "default.toml").read_text()
     assert all(f"\n{f.name} = " in written for f in fields(FingerGeometry))
+
+
+def test_stronger_finger_fits_in_the_papers_hand():
+    base, strong = (load_design(asset_path("fingers", name)).geometry for name in ("default.toml", "strong.toml"))
+    # thrust grows with the rings' area
+    assert strong.ring_radius_m**2 > 1.5 * base.ring_radius_m**2
+    # fingers stand 21 mm apart (softhand_sim.hand.anatomy)
+    assert 2.0 * strong.tube_outer_radius_m < 0.021
+    assert strong.tube_wall_m >= MINIMUM_WALL_M
 
 
 def test_what_is_left_out_has_its_default(design):
