@@ -1,8 +1,7 @@
 """One world's episodes without Gymnasium around them: commanded, advanced by whoever steps the engine, observed."""
 
-import importlib.util
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,6 +14,7 @@ from envs.draw import Draw, Drawer
 from envs.errors import BadOptionError
 from envs.guarding import LOOK_S, Guarding
 from envs.observations import Layout
+from envs.observer import NOTHING, Observer
 from envs.options import OPTIONS, fixed
 from envs.task import Task
 from envs.world import World, WorldPool
@@ -28,9 +28,6 @@ Vector = npt.NDArray[np.float64]
 Info = dict[str, Any]
 
 _WRIST_RANGE = np.array([*SLIDE_RANGE_M, *[HINGE_RANGE_RAD] * 3])
-_NOTHING = np.zeros(0)
-_COMPILED = importlib.util.find_spec("numba") is not None
-_CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -80,9 +77,7 @@ class Episode:
         self.diverged = False
         self.guarding = Guarding(spec.guards)
         self._beyond = False
-        self._privileged = "joint_angle_rad" in spec.layout.where
-        self._own = np.zeros(3)
-        self._gather: Callable[..., None] | None = None
+        self.observer = Observer(spec.layout)
         self._warnings: dict[str, int] = {}
 
     @property
@@ -136,7 +131,7 @@ class Episode:
         self.draw = draw
         self.world = self.worlds.exchange(self.world, draw)
         self._beyond = False
-        self._own = np.array([self.world.rest_height_m, self.world.mass_kg(draw), self.world.friction(draw)])
+        self.observer.enter(self.world.rest_height_m, self.world.mass_kg(draw), self.world.friction(draw))
 
     def command(self, action: npt.ArrayLike) -> None:
         """Give an action to controller and wrist.
@@ -205,42 +200,13 @@ class Episode:
 
     def observe(self) -> Vector:
         """Return the observed vector, (n,), new each time; zeros, as far as the bounds allow, when diverged."""
-        layout = self.spec.layout
         if self.diverged:
-            return np.minimum(np.maximum(0.0, layout.low), layout.high)
-        arguments = self._observable()
-        if _COMPILED:
-            out = np.empty(len(layout.low))
-            if self._gather is None:
-                self._gather = _gatherer(*arguments, layout.low, layout.high, out)
-            self._gather(*arguments, layout.low, layout.high, out)
-            return out
-        return self._gathered(*arguments)
+            return self.observer.nothing()
+        return self.observer.see(self.here, self.commanded())
 
-    def _observable(self) -> tuple[Any, ...]:
-        """Return what an observation is made from: the first arguments of `envs.gather.gather`."""
-        world, simulation, data = self.here, self.here.simulation, self.here.simulation.data
-        commanded = self.task.commanded() if self.task.target and not self.spec.sparse else _NOTHING
-        return (
-            simulation.reading_pa_gauge(), simulation.valves_open(), simulation.set_pressure_pa_gauge,
-            simulation.pressure_pa_gauge(), data.qpos, data.qvel, world.wrist_and_joint_qpos,
-            world.joint_and_object_dof, data.xpos, data.xquat, simulation.index.palm_body, world.body, self._own,
-            commanded,
-        )  # fmt: skip
-
-    def _gathered(  # noqa: PLR0913, PLR0917 - as `envs.gather.gather`
-        self, reading: Vector, valves: Vector, sets: Vector, pressure: Vector, qpos: Vector, qvel: Vector,
-        positions: Vector, velocities: Vector, xpos: Vector, xquat: Vector, palm: int, body: int, own: Vector,
-        commanded: Vector,
-    ) -> Vector:  # fmt: skip
-        """Return the observed vector without compiled code."""
-        seen, moving = qpos[positions], qvel[velocities]
-        parts: list[npt.ArrayLike] = [1e-3 * reading, valves, seen[:6]]
-        if self._privileged:
-            placed = object_in_palm(xpos, xquat, palm, body)
-            parts += [1e-3 * sets, 1e-3 * pressure, seen[6:], moving[:15], placed, moving[15:]]
-            parts += [xpos[body, 2:] - own[:1], own[1:]]
-        return self.spec.layout.pack([*parts, commanded])
+    def commanded(self) -> Vector:
+        """Return what the task adds to an observation, (t,); in goal mode that stands beside it."""
+        return self.task.commanded() if self.task.target and not self.spec.sparse else NOTHING
 
     def goals(self) -> tuple[Vector, Vector]:
         """Return the achieved and the desired goal, (g,) each; a lost simulation has achieved the lowest."""
@@ -261,27 +227,6 @@ class Episode:
             "valve_flow_ratio": draw.valve_flow_ratio,
             "sensor_offset_pa": draw.sensor_offset_pa,
         }
-
-
-def object_in_palm(xpos: Vector, xquat: Vector, palm: int, body: int) -> Vector:
-    """Return position [m] and orientation (quaternion w, x, y, z, w >= 0) of a body in the palm's frame, (7,).
-
-    ``xpos`` and ``xquat`` are the engine's, of all bodies; ``palm`` and ``body`` numbers of two of them.
-    """
-    out, turned = np.empty(7), xquat[palm] * _CONJUGATE
-    mujoco.mju_rotVecQuat(out[:3], xpos[body] - xpos[palm], turned)
-    mujoco.mju_mulQuat(out[3:], turned, xquat[body])
-    if out[3] < 0.0:
-        out[3:] *= -1.0
-    return out
-
-
-def _gatherer(*arguments: Any) -> Callable[..., None]:
-    """Return the compiled gathering for arguments of these types."""
-    from envs.gather import gather  # noqa: PLC0415 - numba is optional
-    from softhand_sim.compiling import loaded  # noqa: PLC0415
-
-    return loaded(gather, *arguments)
 
 
 def _named(warnings: npt.NDArray[np.int32]) -> dict[str, int]:

@@ -12,8 +12,8 @@ import numpy as np
 import numpy.typing as npt
 from gymnasium import spaces
 
-from envs.episode import object_in_palm
 from envs.grasp import SoftHandGraspEnv
+from envs.observer import object_in_palm
 from envs.script import Driver
 from softhand_sim.checks import require_in
 from softhand_sim.grasp.choice.shipped import default_grasp

@@ -226,5 +226,5 @@ def test_compiled_observations_are_the_plain_ones(made, env_id, mode):
     for _ in range(5):
         env.step(rng.uniform(-1.0, 1.0, env.action_space.shape))
         episode = env.episode
-        plain = episode._gathered(*episode._observable())
+        plain = episode.observer.see_plainly(episode.here, episode.commanded())
         assert episode.observe() == pytest.approx(plain, abs=1e-12)
