@@ -1,6 +1,5 @@
 """Sees a world: the observed vector by one compiled call, or by NumPy where numba is missing."""
 
-import importlib.util
 from collections.abc import Callable
 from typing import Any
 
@@ -10,12 +9,12 @@ import numpy.typing as npt
 
 from envs.observations import Layout
 from envs.world import World
+from softhand_sim.actuation.choice import has_numba
 
 Vector = npt.NDArray[np.float64]
 
 NOTHING = np.zeros(0)
 """What a task without a target adds to an observation."""
-_COMPILED = importlib.util.find_spec("numba") is not None
 _CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])
 
 
@@ -25,6 +24,7 @@ class Observer:
     def __init__(self, layout: Layout) -> None:
         self._layout = layout
         self._privileged = "joint_angle_rad" in layout.where
+        self._compiled = has_numba()
         self._own = np.zeros(3)
         self._gather: Callable[..., None] | None = None
 
@@ -38,7 +38,7 @@ class Observer:
 
     def see(self, world: World, commanded: Vector) -> Vector:
         """Return the observed vector, (n,), new each time; ``commanded``, (t,), is what the task adds at the end."""
-        if not _COMPILED:
+        if not self._compiled:
             return self.see_plainly(world, commanded)
         out = np.empty(len(self._layout.low))
         arguments = (*self._state(world), commanded, self._layout.low, self._layout.high, out)

@@ -15,9 +15,14 @@ from softhand_sim.wrist import move_wrists
 Vector = npt.NDArray[np.float64]
 
 
+def has_numba() -> bool:
+    """Return whether there is a compiler for what has a compiled and a plain form."""
+    return importlib.util.find_spec("numba") is not None
+
+
 def prepare_actuation(hand: HandParts, engine: EngineArrays) -> Actuation:
     """Return the actuation of all worlds of the engine's arrays."""
-    if importlib.util.find_spec("numba") is None:
+    if not has_numba():
         return PlainActuation(hand, engine)
     from softhand_sim.actuation.compiled import CompiledActuation  # noqa: PLC0415 - numba is optional
 
@@ -39,7 +44,7 @@ def engine_runner(actuation: Actuation, model: mujoco.MjModel, data: mujoco.MjDa
 
 def wrist_mover() -> Callable[[Vector, Vector, float, float], None]:
     """Return `move_wrists`, compiled where numba is installed."""
-    if importlib.util.find_spec("numba") is None:
+    if not has_numba():
         return move_wrists
     from softhand_sim.actuation import kernel  # noqa: PLC0415 - numba is optional
 

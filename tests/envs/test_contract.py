@@ -227,4 +227,4 @@ def test_compiled_observations_are_the_plain_ones(made, env_id, mode):
         env.step(rng.uniform(-1.0, 1.0, env.action_space.shape))
         episode = env.episode
         plain = episode.observer.see_plainly(episode.here, episode.commanded())
-        assert episode.observe() == pytest.approx(plain, abs=1e-12)
+        assert episode.observe() == pytest.approx(plain, rel=0.0, abs=1e-12)
